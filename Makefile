@@ -1,0 +1,59 @@
+# Every target works from a bare checkout: what it needs is installed into .venv first, with plain pip.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+ARGS ?=
+
+# One thread per process: the arrays are small, and two pools of threads on the same cores cost more than they bring.
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
+export MKL_NUM_THREADS := 1
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test test-fast check format bench setup clean
+
+help: ## List the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+demo: $(VENV)/demo.stamp ## Run the worked example and write demo-report/
+	$(BIN)/viewgain demo --out demo-report
+
+test: $(VENV)/dev.stamp ## Run every test (under 20 minutes)
+	$(BIN)/python -m pytest -n 2 $(ARGS)
+
+test-fast: $(VENV)/dev.stamp ## Run the tests that are not slow (under 5 minutes)
+	$(BIN)/python -m pytest -n 2 -m "not slow" $(ARGS)
+
+check: $(VENV)/dev.stamp ## Lint, format, types and layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy --strict src
+	$(BIN)/lint-imports
+
+format: $(VENV)/dev.stamp ## Sort imports and format the code in place
+	$(BIN)/ruff check --fix-only .
+	$(BIN)/ruff format .
+
+bench: $(VENV)/dev.stamp ## Run the benchmarks (ARGS="..." is passed on)
+	$(BIN)/python -m benchmarks $(ARGS)
+
+setup: $(VENV)/dev.stamp ## Make .venv with everything for development
+
+clean: ## Remove .venv and everything that was generated
+	rm -rf $(VENV) build dist demo-report .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# A stamp is written last, so what died halfway is made again; a change of the two files below makes .venv anew from nothing.
+# The stamps stand in one chain: two pip runs never write into .venv at once, even under make -j.
+$(VENV)/venv.stamp: pyproject.toml constraints.txt
+	$(PYTHON) -m venv --clear $(VENV)
+	@touch $@
+
+$(VENV)/demo.stamp: $(VENV)/venv.stamp
+	@echo "Installing viewgain into $(VENV); this happens once and takes a minute or two."
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[report]"
+	@touch $@
+
+$(VENV)/dev.stamp: $(VENV)/demo.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
+	@touch $@

@@ -1,0 +1,104 @@
+"""Rays against a box and its floor: where each ray meets them, under what angle, and how that moves with the box.
+
+Rays start at the camera. Arrays are kept as separate x, y, z columns (structure of arrays): the slab test then runs about ten
+times faster than on (n, 3) rows.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array, Indices, Mask, Points
+from viewgain.box._box import FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
+
+SLIVER = 0.02
+"""A face seen under a smaller sine than this (1.1 degrees) is under a pixel wide: rays are taken past it to the next face."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """Where rays meet a plane of the box."""
+
+    ranges: Array
+    """(n,) distance along the ray, metres; inf where the plane is not in front."""
+    planes: Indices
+    """(n,) index of the plane (the five faces, then the floor)."""
+    cosine: Array
+    """(n,) cosine of the angle of incidence, in [0, 1]."""
+
+    def take(self, chosen: Indices) -> "Hits":
+        """Return a subset of the rays."""
+        return Hits(self.ranges[chosen], self.planes[chosen], self.cosine[chosen])
+
+
+def box_hits(box: Box, directions: Points) -> Hits:
+    """Return where (n, 3) unit rays from the camera meet the box's visible faces, extended beyond their edges.
+
+    The farthest of the visible faces' planes is the entry point of a ray that hits, and continues it smoothly for one that
+    passes just beside; :func:`entry_mask` tells which is which. No visible face (camera inside) gives inf.
+    """
+    origin, along = _in_box_frame(box, directions)
+    offsets = PLANE_EXTENTS @ box.extents
+    distance_to_origin = float(np.linalg.norm(origin))
+    ranges = np.full(len(directions), -np.inf)
+    planes = np.zeros(len(directions), dtype=np.intp)
+    cosine = np.zeros(len(directions))
+    for face in range(FLOOR):
+        axis = int(np.argmax(np.abs(PLANE_NORMALS[face])))
+        sign = PLANE_NORMALS[face, axis]
+        height = sign * origin[axis] - offsets[face]
+        if height <= SLIVER * distance_to_origin:
+            continue
+        approach = -sign * along[axis]
+        with np.errstate(divide="ignore"):
+            distance = np.where(approach > 1e-9, height / np.maximum(approach, 1e-9), -np.inf)
+        nearer = distance > ranges
+        ranges = np.where(nearer, distance, ranges)
+        planes = np.where(nearer, face, planes)
+        cosine = np.where(nearer, approach, cosine)
+    ranges[np.isneginf(ranges)] = np.inf
+    return Hits(ranges, planes, cosine)
+
+
+def floor_hits(box: Box, directions: Points) -> Hits:
+    """Return where (n, 3) unit rays from the camera meet the box's floor; inf above the horizon."""
+    floor = box.floor
+    approach = -(directions @ floor.normal)
+    ranges = np.where(approach > 1e-6, floor.offset / np.maximum(approach, 1e-6), np.inf)
+    return Hits(ranges, np.full(len(directions), FLOOR, dtype=np.intp), np.maximum(approach, 0.0))
+
+
+def entry_mask(box: Box, directions: Points) -> Mask:
+    """Return the (n,) mask of unit rays from the camera that hit the box (the slab test)."""
+    origin, along = _in_box_frame(box, directions)
+    near, far = np.full(len(directions), 1e-9), np.full(len(directions), np.inf)
+    low, high = np.array([-0.5, -0.5, 0.0]) * box.extents, np.array([0.5, 0.5, 1.0]) * box.extents
+    for axis in range(3):
+        with np.errstate(divide="ignore"):
+            inverse = 1.0 / np.where(np.abs(along[axis]) < 1e-12, 1e-12, along[axis])
+        first, second = (low[axis] - origin[axis]) * inverse, (high[axis] - origin[axis]) * inverse
+        near = np.maximum(near, np.minimum(first, second))
+        far = np.minimum(far, np.maximum(first, second))
+    return np.asarray(near < far)
+
+
+def range_jacobian(box: Box, directions: Points, hits: Hits) -> Array:
+    """Return the (n, 9) derivative of each hit's range with respect to a step of the box (:meth:`Box.moved`).
+
+    The plane n . x = e . extents, moved by rotation w and translation t of the box's frame, meets the ray at p when
+    dr = (e . d_extents + n . t + (p x n) . w) / (n . v), with p and the direction v in the box's frame (ours).
+    """
+    origin, along = _in_box_frame(box, directions)
+    normals = PLANE_NORMALS[hits.planes]
+    points = np.stack([origin[k] + hits.ranges * along[k] for k in range(3)], axis=-1)
+    jacobian = np.empty((len(directions), 9))
+    jacobian[:, :3] = np.cross(points, normals)
+    jacobian[:, 3:6] = normals
+    jacobian[:, 6:] = PLANE_EXTENTS[hits.planes]
+    return np.asarray(jacobian / -np.maximum(hits.cosine, 1e-6)[:, None])
+
+
+def _in_box_frame(box: Box, directions: Points) -> tuple[Array, Array]:
+    """Return the camera's centre (3,) and the ray directions (3, n) in the box's frame."""
+    rotation = box.box_to_camera[:3, :3]
+    return -rotation.T @ box.box_to_camera[:3, 3], np.asarray(rotation.T @ directions.T)

@@ -1,0 +1,113 @@
+"""The outline of a box in the image: its polygon, each pixel's signed distance to it, and how that moves with the box.
+
+Image coordinates here are the normalised ones, (x/z, y/z), in which straight edges stay straight whatever the lens.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array, Indices, Points2
+from viewgain.box._box import CORNERS, Box
+from viewgain.geometry import cross_matrix
+
+NEAR = 0.02
+"""Corners nearer than this to the image plane through the camera are held at it, metres."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """The convex outline of a box as the camera sees it."""
+
+    vertices: Points2
+    """(k, 2) normalised image coordinates of the outline, counter-clockwise for x right and y up (clockwise on screen)."""
+    corners: Indices
+    """(k,) which corner of the box each vertex is."""
+
+
+@dataclass(frozen=True, slots=True)
+class EdgeDistances:
+    """Signed distances of image points to an outline."""
+
+    distance: Array
+    """(n,) distance to the nearest edge line, normalised units, positive inside."""
+    edge: Indices
+    """(n,) which edge that is: from vertex ``edge`` to the next."""
+    along: Array
+    """(n,) where on that edge the foot point lies, 0 to 1."""
+
+    def take(self, chosen: Indices) -> "EdgeDistances":
+        """Return a subset of the points."""
+        return EdgeDistances(self.distance[chosen], self.edge[chosen], self.along[chosen])
+
+
+def outline(box: Box) -> Outline:
+    """Return the convex hull of the box's eight projected corners (gift wrapping would do; this is Andrew's monotone chain)."""
+    points = _project(box.corners())
+    order = np.lexsort((points[:, 1], points[:, 0]))
+    hull = np.array(_half_hull(points, order) + _half_hull(points, order[::-1]))
+    return Outline(points[hull], hull)
+
+
+def edge_distances(shape: Outline, points: Points2) -> EdgeDistances:
+    """Return the signed distance of (n, 2) image points to the outline: the least over its edges, positive inside.
+
+    Outside near a vertex this is the distance to the farther edge's line, an under-estimate that is right where it matters,
+    within a few pixels of the edges.
+    """
+    start = shape.vertices
+    side = np.roll(start, -1, axis=0) - start
+    length = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
+    tangent = side / length[:, None]
+    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    signed = points @ inward.T - np.sum(start * inward, axis=1)
+    edge = np.argmin(signed, axis=1)
+    along = np.sum((points - start[edge]) * tangent[edge], axis=1) / length[edge]
+    return EdgeDistances(signed[np.arange(len(points)), edge], edge, np.clip(along, 0.0, 1.0))
+
+
+def edge_jacobian(box: Box, shape: Outline, distances: EdgeDistances) -> Array:
+    """Return the (n, 9) derivative of each signed distance with respect to a step of the box (:meth:`Box.moved`)."""
+    corner_steps = _corner_jacobian(box)[shape.corners]
+    side = np.roll(shape.vertices, -1, axis=0) - shape.vertices
+    tangent = side / np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None]
+    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    at_start = np.einsum("ki,kij->kj", inward, corner_steps)
+    at_end = np.einsum("ki,kij->kj", inward, np.roll(corner_steps, -1, axis=0))
+    share = distances.along[:, None]
+    return np.asarray(-((1 - share) * at_start[distances.edge] + share * at_end[distances.edge]))
+
+
+def _project(points: Array) -> Array:
+    return np.asarray(points[:, :2] / np.maximum(points[:, 2:], NEAR))
+
+
+def _corner_jacobian(box: Box) -> Array:
+    """Return the (8, 2, 9) derivative of the projected corners with respect to a step of the box."""
+    rotation = box.box_to_camera[:3, :3]
+    local = CORNERS * box.extents
+    steps = np.zeros((8, 3, 9))
+    for k in range(8):
+        steps[k, :, :3] = -rotation @ cross_matrix(local[k])
+        steps[k, :, 3:6] = rotation
+        steps[k, :, 6:] = rotation * CORNERS[k]
+    camera = box.corners()
+    depth = np.maximum(camera[:, 2], NEAR)
+    projection = np.zeros((8, 2, 3))
+    projection[:, 0, 0] = projection[:, 1, 1] = 1 / depth
+    projection[:, :, 2] = -camera[:, :2] / depth[:, None] ** 2
+    return np.asarray(projection @ steps)
+
+
+def _half_hull(points: Points2, order: Array) -> list[int]:
+    """Return one chain of the convex hull, without its last vertex."""
+    chain: list[int] = []
+    for index in order:
+        while len(chain) > 1 and _turn(points[chain[-2]], points[chain[-1]], points[index]) <= 0:
+            chain.pop()
+        chain.append(int(index))
+    return chain[:-1]
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

@@ -1,0 +1,20 @@
+"""What can go wrong, as a small tree; every message says what was got, what was wanted and what to do.
+
+An expected outcome (no box in the scene, no floor in view) is not an error: it is a result with a reason.
+"""
+
+
+class ViewgainError(Exception):
+    """Root of every error that viewgain raises on purpose; the command line turns it into one line and exit code 2."""
+
+
+class ScanError(ViewgainError, ValueError):
+    """A scan cannot be read or used: missing, truncated, of the wrong type, empty, or with too few valid points."""
+
+
+class ConfigError(ViewgainError, ValueError):
+    """A setting, a rig file, a camera file or a command-line value makes no sense."""
+
+
+class MissingExtraError(ViewgainError, ImportError):
+    """A feature needs an optional dependency that is not installed."""

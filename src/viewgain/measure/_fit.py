@@ -1,0 +1,176 @@
+"""Maximum likelihood: Levenberg-Marquardt on the standing box, from blurred to sharp, over one view or several.
+
+A step of the box lives in the box's own frame, so the information of views from different cameras simply adds. The error of a
+camera's pose is a small motion of the box as that camera sees it: six nuisance parameters per further view, held by their prior.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from viewgain.arrays import Array, Pose
+from viewgain.box import PARAMETERS, Box
+from viewgain.camera import Sensor
+from viewgain.measure._likelihood import Evaluation, Pixels, Softness, evaluate
+
+COARSE = (Softness(4.0, 0.02), Softness(2.0, 0.01))
+FINE = (Softness(1.0, 0.003), Softness(0.5))
+SHARP = FINE[-1:]
+_MAX_STEP = np.array([0.15, 0.15, 0.15, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
+_MIN_EXTENT = 0.01
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """What one camera saw of the box, and where that camera stood."""
+
+    pixels: Pixels
+    """The pixels that speak about the box."""
+    sensor: Sensor
+    """The camera's noise model."""
+    noise: float = 1.0
+    """Noise of this scan as a multiple of the sensor's."""
+    reference_to_camera: Pose | None = None
+    """Pose of the reference camera in this one; None for the reference itself."""
+    pose_precision: Array | None = None
+    """(6, 6) inverse covariance of the pose error as a motion of the box in its own frame; None where the pose is exact."""
+
+    def sees(self, box: Box, correction: Array) -> Box:
+        """Return the box (given in the reference frame) in this camera's frame, with its (6,) pose correction."""
+        if self.reference_to_camera is None:
+            return box
+        return box.in_frame(self.reference_to_camera).moved(np.concatenate([correction, np.zeros(3)]))
+
+    def with_noise(self, noise: float) -> "View":
+        """Return the view with another noise factor."""
+        return replace(self, noise=noise)
+
+    def with_pixels(self, pixels: Pixels) -> "View":
+        """Return the view with other pixels."""
+        return replace(self, pixels=pixels)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A box at the maximum of its likelihood."""
+
+    box: Box
+    """The estimate, in the reference camera's frame."""
+    views: tuple[View, ...]
+    """What it was fitted to."""
+    evaluations: tuple[Evaluation, ...]
+    """Likelihood and derivatives at the estimate, one per view."""
+    corrections: Array
+    """(views, 6) estimated pose errors; zeros where poses are exact."""
+    value: float
+    """Log posterior, up to a constant."""
+
+
+def marginal(information: Array, systematic: Array, pose_precision: Array | None) -> tuple[Array, Array]:
+    """Return a view's (9, 9) information and (9, k) systematic gradient after its pose error is integrated out (Schur complement).
+
+    Args:
+        information: (9, 9) information of the view if its pose were exact.
+        systematic: (9, k) systematic gradients if its pose were exact.
+        pose_precision: (6, 6) prior precision of its pose error, box frame; None for an exact pose.
+    """
+    if pose_precision is None:
+        return information, systematic
+    absorbed = information[:, :6] @ np.linalg.inv(information[:6, :6] + pose_precision)
+    return information - absorbed @ information[:6], systematic - absorbed @ systematic[:6]
+
+
+def refine(box: Box, views: tuple[View, ...], schedule: tuple[Softness, ...], steps: int) -> Fit:
+    """Return the box after up to ``steps`` damped scoring steps at each level of ``schedule``.
+
+    The prior on each extent is log-uniform (scale-free): its pull is far below the data's wherever the data speak, and where
+    nothing bounds an extent from above it leaves it at its lower bound.
+    """
+    fit = _evaluated(box, np.zeros((len(views), 6)), views, schedule[0])
+    for level, softness in enumerate(schedule):
+        if level:
+            fit = _evaluated(fit.box, fit.corrections, views, softness)
+        damping = 1e-3
+        for _ in range(steps):
+            step = _step(fit, damping)
+            trial = _evaluated(fit.box.moved(step[:PARAMETERS]), fit.corrections + step[PARAMETERS:].reshape(-1, 6), views, softness)
+            if trial.value > fit.value:
+                gain = trial.value - fit.value
+                fit, damping = trial, max(damping / 5, 1e-6)
+                if gain < 0.02:
+                    break
+            else:
+                damping *= 10
+                if damping > 1e2:
+                    break
+    return fit
+
+
+def polled(fit: Fit, softness: Softness, reach: float) -> Fit:
+    """Return the best of ``fit`` and the boxes that have one side face moved in or out by ``reach`` metres.
+
+    Which pixels hit is a step function underneath, so the likelihood has side peaks a few pixels from an edge; a fit that
+    stopped on one is taken off it here, to be refined again.
+    """
+    best = fit
+    for axis in (0, 1):
+        for side in (-0.5, 0.5):
+            for distance in (-reach, reach):
+                step = np.zeros(PARAMETERS)
+                step[3 + axis], step[6 + axis] = side * distance, distance
+                if fit.box.extents[axis] + distance < _MIN_EXTENT:
+                    continue
+                trial = _evaluated(fit.box.moved(step), fit.corrections, fit.views, softness)
+                if trial.value > best.value:
+                    best = trial
+    return best
+
+
+def estimate_noise(fit: Fit) -> tuple[float, ...]:
+    """Return each view's noise as a multiple of its sensor's: the robust spread of its residuals away from the outline."""
+    return tuple(_noise(view, evaluation) for view, evaluation in zip(fit.views, fit.evaluations, strict=True))
+
+
+def _noise(view: View, evaluation: Evaluation) -> float:
+    residual = evaluation.residual[np.abs(evaluation.inside) > 2]
+    residual = np.abs(residual[np.isfinite(residual)])
+    residual = residual[residual < 6]
+    if len(residual) < 30:
+        return view.noise
+    return float(np.clip(view.noise * 1.4826 * np.median(residual), 0.05, 20.0))
+
+
+def _evaluated(box: Box, corrections: Array, views: tuple[View, ...], softness: Softness) -> Fit:
+    evaluations = tuple(
+        evaluate(view.sees(box, correction), view.pixels, view.sensor, view.noise, softness)
+        for view, correction in zip(views, corrections, strict=True)
+    )
+    value = sum(evaluation.value for evaluation in evaluations) - float(np.log(box.extents).sum())
+    for view, correction in zip(views, corrections, strict=True):
+        if view.pose_precision is not None:
+            value -= 0.5 * float(correction @ view.pose_precision @ correction)
+    return Fit(box, views, evaluations, corrections, value)
+
+
+def _step(fit: Fit, damping: float) -> Array:
+    """Return the damped step of the box (9) and of every view's pose correction (6 each)."""
+    size = PARAMETERS + 6 * len(fit.views)
+    gradient, information = np.zeros(size), np.zeros((size, size))
+    own = slice(0, PARAMETERS)
+    for k, (view, evaluation) in enumerate(zip(fit.views, fit.evaluations, strict=True)):
+        gradient[own] += evaluation.gradient
+        information[own, own] += evaluation.information
+        pose = slice(PARAMETERS + 6 * k, PARAMETERS + 6 * k + 6)
+        if view.pose_precision is None:
+            information[pose, pose] = np.eye(6)
+            continue
+        gradient[pose] = evaluation.gradient[:6] - view.pose_precision @ fit.corrections[k]
+        information[pose, pose] = evaluation.information[:6, :6] + view.pose_precision
+        information[own, pose] = evaluation.information[:, :6]
+        information[pose, own] = evaluation.information[:6]
+    gradient[6:PARAMETERS] -= 1 / fit.box.extents
+    information[range(6, PARAMETERS), range(6, PARAMETERS)] += 1 / fit.box.extents**2
+    step = np.linalg.solve(information + damping * np.diag(np.diag(information) + 1.0), gradient)
+    step *= min(1.0, float(np.min(_MAX_STEP / np.maximum(np.abs(step[own]), 1e-12))))
+    step[6:PARAMETERS] = np.maximum(step[6:PARAMETERS], _MIN_EXTENT - fit.box.extents)
+    return np.asarray(step)

@@ -1,0 +1,127 @@
+"""The floor, from the cloud itself: the largest plane with nothing beneath it that faces up as a camera sees up."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array, Points
+from viewgain.camera import Sensor
+from viewgain.geometry import Plane, fit_plane
+from viewgain.measure._range_image import RangeImage
+
+_HYPOTHESES = 300
+_SAMPLE = 2000
+_NORMAL_GATE = np.cos(np.deg2rad(15.0))
+_MAX_BELOW = 0.05
+_MIN_SUPPORT = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """The floor plane and how well the scan fixes it."""
+
+    plane: Plane
+    """Camera frame; the camera is on its positive side."""
+    spread: float
+    """Robust standard deviation of the floor points about the plane, metres."""
+    noise: float
+    """Pixel-to-pixel noise of the range on it, as a multiple of the sensor's."""
+
+
+def find_floors(image: RangeImage, sensor: Sensor) -> list[Floor]:
+    """Return up to three planes of a scan that can be a floor, the best first; none where no plane can be one.
+
+    One-point RANSAC on smoothed pixel normals (seeded by the data's own size, so the same scan gives the same floor), support
+    weighed by metric area so that a near box top does not outvote a far floor; then least squares on all its points. A plane
+    can be a floor only if at most 5 % of the area seen lies beneath it; one that faces up in the image is preferred to a wall.
+    """
+    points, normals, area = _oriented_samples(image)
+    if len(points) < 50:
+        return []
+    rng = np.random.default_rng(len(points))
+    sample = rng.choice(len(points), min(_SAMPLE, len(points)), replace=False)
+    seeds = rng.choice(len(points), min(_HYPOTHESES, len(points)), replace=False)
+    directions, offsets = normals[seeds], -np.sum(normals[seeds] * points[seeds], axis=1)
+    height = points[sample] @ directions.T + offsets
+    tolerance = (0.01 + 0.01 * np.linalg.norm(points[sample], axis=1))[:, None]
+    aligned = normals[sample] @ directions.T > _NORMAL_GATE
+    weight = area[sample] / area[sample].sum()
+    support = weight @ ((np.abs(height) < tolerance) & aligned)
+    below = weight @ (height < -3 * tolerance)
+    score = support * _upness(directions) * (below < _MAX_BELOW) * (support > _MIN_SUPPORT) * (offsets > 0.1)
+    floors: list[Floor] = []
+    for best in np.argsort(-score):
+        if score[best] <= 0 or len(floors) == 3:
+            break
+        if all(directions[best] @ known.plane.normal < 0.9 for known in floors):
+            floors.append(_refined(image, Plane(directions[best], float(offsets[best])), sensor))
+    return floors
+
+
+def _upness(normals: Points) -> Array:
+    """Return (n,) weights in [0.05, 1]: 1 for planes that face up in the image (-y) or straight back (-z, overhead views)."""
+    return np.clip(-normals[:, 1] - 0.5 * normals[:, 2], 0.05, 1.0)
+
+
+def _oriented_samples(image: RangeImage) -> tuple[Points, Points, Array]:
+    """Return points, normals towards the camera and metric areas of the blocks of pixels that see one smooth surface.
+
+    Block means are what makes one-point hypotheses good enough: at 1 % range noise single pixels tilt a normal by tens of
+    degrees, means over 4 x 4 of them with a baseline of four blocks by two.
+    """
+    side = max(3, round(image.ranges.shape[1] / 56))
+    means = _block_means(image.points, side)
+    rows, columns = np.mgrid[2 : means.shape[0] - 2, 2 : means.shape[1] - 2].reshape(2, -1)
+    centre = means[rows, columns]
+    across = means[rows, columns + 2] - means[rows, columns - 2]
+    down = means[rows + 2, columns] - means[rows - 2, columns]
+    bend = means[rows, columns + 2] + means[rows, columns - 2] - 2 * centre, means[rows + 2, columns] + means[rows - 2, columns] - 2 * centre
+    normals = np.cross(down, across)
+    length = np.linalg.norm(normals, axis=1)
+    distance = np.linalg.norm(centre, axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normals = normals / length[:, None]
+        off_plane = np.maximum(np.abs(np.sum(bend[0] * normals, axis=1)), np.abs(np.sum(bend[1] * normals, axis=1)))
+        good = (length > 1e-12) & (off_plane < 0.01 + 0.015 * distance)
+    centre, normals, distance = centre[good], normals[good], distance[good]
+    normals *= np.where(np.sum(normals * centre, axis=1) > 0, -1.0, 1.0)[:, None]
+    cosine = np.maximum(-np.sum(normals * centre, axis=1) / distance, 0.1)
+    return centre, normals, np.asarray(distance**2 / cosine)
+
+
+def _block_means(points: Array, side: int) -> Array:
+    """Return the (h // side, w // side, 3) means over square blocks; NaN where less than half of a block has returns."""
+    rows, columns = points.shape[0] // side, points.shape[1] // side
+    blocks = points[: rows * side, : columns * side].reshape(rows, side, columns, side, 3)
+    present = np.isfinite(blocks[..., 2])
+    count = present.sum(axis=(1, 3))
+    total = np.where(present[..., None], blocks, 0.0).sum(axis=(1, 3))
+    return np.where((count >= side * side / 2)[..., None], total / np.maximum(count, 1)[..., None], np.nan)
+
+
+def _refined(image: RangeImage, plane: Plane, sensor: Sensor) -> Floor:
+    points = image.points[image.valid]
+    points = points[:: max(1, len(points) // 8000)]
+    for tolerance in (0.03, 0.015, 0.01):
+        near = points[np.abs(plane.height(points)) < tolerance * (0.5 + np.linalg.norm(points, axis=1))]
+        if len(near) < 50:
+            break
+        plane = fit_plane(near)
+    residual = plane.height(points)
+    near_residual = residual[np.abs(residual) < 0.03]
+    spread = 1.4826 * float(np.median(np.abs(near_residual))) if len(near_residual) else 0.01
+    return Floor(plane, max(spread, 1e-4), _pixel_noise(image, plane, sensor))
+
+
+def _pixel_noise(image: RangeImage, plane: Plane, sensor: Sensor) -> float:
+    """Return the white noise of the floor's pixels over the sensor's, from second differences along the rows (a bend cancels)."""
+    ranges, directions = image.ranges, image.directions
+    bend = ranges[:, 2:] - 2 * ranges[:, 1:-1] + ranges[:, :-2]
+    with np.errstate(invalid="ignore"):
+        on_floor = np.abs(plane.height(image.points))[:, 1:-1] < 0.03
+        used = on_floor & (np.abs(bend) < 0.15)
+    if used.sum() < 50:
+        return 1.0
+    cosine = np.abs(directions[:, 1:-1][used] @ plane.normal)
+    sigma = sensor.range_sigma(ranges[:, 1:-1][used], cosine)
+    return float(np.clip(1.4826 * np.median(np.abs(bend[used]) / sigma) / np.sqrt(6.0), 0.05, 20.0))

@@ -1,0 +1,154 @@
+"""From one scan to measured boxes: the whole method, one step per line."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from viewgain.arrays import Mask
+from viewgain.box import Box
+from viewgain.camera import Sensor, sensor
+from viewgain.measure._fit import COARSE, FINE, SHARP, Fit, View, estimate_noise, polled, refine
+from viewgain.measure._floor import Floor, find_floors
+from viewgain.measure._hypotheses import hypotheses
+from viewgain.measure._pixels import edges_kept, leftover, pixels_around, thinned
+from viewgain.measure._quality import Quality, assess, flags
+from viewgain.measure._range_image import RangeImage, range_image
+from viewgain.measure._result import BoxEstimate, Measurement, Rejected
+from viewgain.measure._segment import MIN_PIXELS, segment
+from viewgain.measure._uncertainty import extent_interval, knowledge
+from viewgain.scans import Scan
+
+MAX_OBJECTS = 12
+"""At most this many objects of one scan are tried."""
+MIN_HEIGHT = 0.02
+"""Lower objects are told from the floor's own unevenness no longer, metres."""
+MAX_LEFTOVER = 0.8
+"""If more than this share of an object lies outside the fitted box, the fit is wrong rather than the object two."""
+_COARSE_PIXELS = 1200
+_FINE_PIXELS = 2000
+_FINAL_PIXELS = 12000
+_POLL_PX = 3.0
+
+
+def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | None = None) -> Measurement:
+    """Measure the boxes on the floor of one scan.
+
+    Floor, objects on it, first guesses, maximum likelihood, uncertainty, flags: in that order, from the scan alone. Where
+    several planes can be the floor (a table before a wall), the one whose boxes explain most of the scan is taken.
+
+    Args:
+        scan: The scan, camera frame.
+        camera: Preset name or sensor, for its noise and systematic error. Without it the noise is estimated from the scan
+            and the systematic error is that of the default sensor (0.3 % scale, 3 mm offset).
+        floor: A scan of the empty scene from the same pose, for stations where the box hides the floor.
+
+    Returns:
+        The boxes, largest in the image first, or none and a reason.
+
+    Raises:
+        ConfigError: If ``camera`` names no preset.
+    """
+    model = sensor_of(camera)
+    image = range_image(scan)
+    floors = find_floors(image if floor is None else range_image(floor), model)
+    attempts = [_on_floor(image, candidate, model, noise_known=camera is not None) for candidate in floors]
+    if not attempts:
+        attempts = [Measurement((), None, (), "no_floor")]
+    best = max(attempts, key=lambda attempt: sum(box.quality.returns for box in attempt.boxes))
+    return replace(best, scans=(scan.source,), camera_to_world=scan.camera_to_world, notes=scan.notes)
+
+
+def sensor_of(camera: str | Sensor | None) -> Sensor:
+    """Return the sensor that a name, a sensor or nothing stands for."""
+    if isinstance(camera, Sensor):
+        return camera
+    return sensor("pico_flexx" if camera is None else camera)
+
+
+def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bool) -> Measurement:
+    """Return the boxes and the rejected objects on one floor."""
+    segments = segment(image, floor)
+    queue = [segments.labels == k for k in range(1, min(segments.count, MAX_OBJECTS) + 1)]
+    taken = segments.labels > 0
+    boxes: list[BoxEstimate] = []
+    rejected: list[Rejected] = []
+    while queue and len(boxes) + len(rejected) < MAX_OBJECTS:
+        own = queue.pop(0)
+        outcome, parts = _estimate(image, floor, own, taken & ~own, model, noise_known=noise_known)
+        queue += parts
+        if isinstance(outcome, BoxEstimate):
+            boxes.append(outcome)
+        else:
+            rejected.append(_rejected(outcome, image, own))
+    reason = None if boxes else rejected[0].reason if rejected else "nothing_on_floor"
+    return Measurement((), floor, tuple(boxes), reason, tuple(rejected))
+
+
+def _estimate(
+    image: RangeImage, floor: Floor, own: Mask, other: Mask, model: Sensor, *, noise_known: bool
+) -> tuple[BoxEstimate | str, list[Mask]]:
+    """Return the box fitted to one object, or the reason against it, and the parts of the object that are not this box."""
+    if own.sum() < MIN_PIXELS:
+        return "too_few_points", []
+    fit = _fit(image, floor, own, other, model, noise_known=noise_known)
+    parts = leftover(own, image, fit.box)
+    rest = np.logical_or.reduce([np.zeros_like(own), *parts])
+    if parts and rest.sum() < MAX_LEFTOVER * own.sum():
+        own, other = own & ~rest, other | rest
+        fit = _fit(image, floor, own, other, model, noise_known=noise_known, start=fit.box)
+    else:
+        parts = []
+    return _judged(fit, image, floor, own, touching=bool(parts)), parts
+
+
+def _fit(
+    image: RangeImage, floor: Floor, own: Mask, other: Mask, model: Sensor, *, noise_known: bool, start: Box | None = None
+) -> Fit:
+    """Return the box of greatest likelihood: rough from every guess on few pixels, then sharp on many, then on all."""
+    pixels = pixels_around(image, own, other)
+    guesses = [start] if start is not None else hypotheses(image.points[own], floor)
+    coarse = View(thinned(pixels, _COARSE_PIXELS), model, floor.noise)
+    rough = max((refine(guess, (coarse,), COARSE, 10) for guess in guesses), key=lambda fit: fit.value)
+    view = View(edges_kept(pixels, rough.box, _FINE_PIXELS), model, noise_of(rough, noise_known=noise_known))
+    fit = refine(rough.box, (view,), FINE, 6)
+    moved = polled(fit, SHARP[0], _POLL_PX * image.pitch * float(np.linalg.norm(fit.box.centre)))
+    if moved is not fit:
+        fit = refine(moved.box, (view,), FINE, 6)
+    final = View(edges_kept(pixels, fit.box, _FINAL_PIXELS), model, noise_of(fit, noise_known=noise_known))
+    return refine(fit.box, (final,), SHARP, 3)
+
+
+def noise_of(fit: Fit, *, noise_known: bool) -> float:
+    """Return the noise factor of a one-view fit: estimated, and for a named camera at least its data sheet's."""
+    return max(estimate_noise(fit)[0], 1.0 if noise_known else 0.0)
+
+
+def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: bool) -> BoxEstimate | str:
+    """Return the finished estimate, or the reason why the object is not reported as a box."""
+    evaluation, view = fit.evaluations[0], fit.views[0]
+    sigma = floor.noise * view.sensor.range_sigma(evaluation.hits.ranges, evaluation.hits.cosine)
+    quality = assess(fit.box, evaluation, view.pixels, image, own, sigma)
+    if quality.returns < MIN_PIXELS:
+        return "too_few_points"
+    if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):
+        return "not_a_box"
+    estimate = with_uncertainty(fit, quality, touching=touching)
+    unbounded = sum(estimate.is_open)
+    if unbounded == 3 or (quality.cut and (unbounded == 2 or quality.faces_seen == 1 and unbounded)):
+        return "cut_by_border"
+    return estimate
+
+
+def with_uncertainty(fit: Fit, quality: Quality, *, touching: bool) -> BoxEstimate:
+    """Return the finished estimate of a fit: covariance, intervals, flags."""
+    known = knowledge(fit)
+    spread = known.covariance(fit.views[0].sensor)
+    x, y, z = (extent_interval(axis, fit, spread) for axis in range(3))
+    bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
+    return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
+
+
+def _rejected(reason: str, image: RangeImage, own: Mask) -> Rejected:
+    points = image.points[own]
+    low, high = np.quantile(points, [0.02, 0.98], axis=0)
+    return Rejected(reason, len(points), points.mean(axis=0), (high - low) / 2)

@@ -1,0 +1,206 @@
+"""What measuring returns: boxes with error bars and flags, or a machine-readable reason; and its JSON form."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array, Indices, Pose, Vector3
+from viewgain.box import FACES, Box
+from viewgain.geometry import floor_to_camera, inverse, pose
+from viewgain.measure._fit import View
+from viewgain.measure._floor import Floor
+from viewgain.measure._quality import Quality
+from viewgain.measure._uncertainty import Z90, Interval, Knowledge
+
+SCHEMA = 1
+"""Version of the JSON form; it grows by new keys only."""
+REASONS = {
+    "no_floor": "no plane in the scan can be a floor; show more of the floor, or give an empty scene with --floor",
+    "nothing_on_floor": "nothing stands on the floor; is the box lower than 1.5 cm, or out of range?",
+    "not_a_box": "what stands on the floor does not fit a box",
+    "cut_by_border": "the object leaves the image on so many sides that no dimension can be bounded; move back",
+    "too_few_points": "what stands on the floor has too few returns to measure; move closer",
+}
+"""Why a scan gave no box, and what to do about it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoxEstimate:
+    """One measured box: the estimate, its uncertainty, and what the camera saw of it."""
+
+    box: Box
+    """Pose and extents at the maximum of the likelihood, in the camera frame of the (last) scan."""
+    knowledge: Knowledge
+    """What the scans say about the box; a further view adds to it."""
+    covariance: Array
+    """(9, 9) covariance of a step of the box (Box.moved): noise and systematic error."""
+    intervals: tuple[Interval, Interval, Interval]
+    """90 % intervals of the extents along the box's x, y and z."""
+    quality: Quality
+    """Faces seen and share of the evidence explained."""
+    flags: tuple[str, ...]
+    """cut, open, grazing, bent, few_points, touching."""
+    views: tuple[View, ...]
+    """The evidence, for fusing with further scans."""
+
+    @property
+    def order(self) -> Indices:
+        """(3,) box axes from the longest to the shortest reported dimension."""
+        return np.argsort(-self._values(), kind="stable")
+
+    @property
+    def dimensions(self) -> Array:
+        """(3,) length >= width >= height, metres; an open dimension is its lower bound."""
+        return self._values()[self.order]
+
+    @property
+    def sigma(self) -> tuple[float | None, ...]:
+        """Standard deviation of each dimension, metres; None where nothing bounds it."""
+        return tuple(_finite(self.intervals[axis].sigma) for axis in self.order)
+
+    @property
+    def interval90(self) -> tuple[tuple[float, float | None], ...]:
+        """90 % interval of each dimension, metres; the upper end None where nothing bounds it."""
+        return tuple((self.intervals[axis].low, _finite(self.intervals[axis].high)) for axis in self.order)
+
+    @property
+    def vertical(self) -> int:
+        """Which of the reported dimensions is the vertical one."""
+        return int(np.flatnonzero(self.order == 2)[0])
+
+    @property
+    def is_open(self) -> tuple[bool, bool, bool]:
+        """For the box's x, y and z: whether the scan leaves that extent open."""
+        value = self.box.extents
+        return tuple(bool(interval.high - value[k] > 2 * Z90 * 0.15 * value[k]) or bool(np.isinf(interval.high))
+                     for k, interval in enumerate(self.intervals))  # type: ignore[return-value]  # fmt: skip
+
+    @property
+    def volume(self) -> float:
+        """Volume, cubic metres; a lower bound if a dimension is open."""
+        return float(np.prod(self.dimensions))
+
+    @property
+    def volume_sigma(self) -> float | None:
+        """Standard deviation of the volume, cubic metres; None if nothing bounds it."""
+        if any(np.isnan(interval.sigma) for interval in self.intervals):
+            return None
+        return self.volume * self._relative_sigma()
+
+    @property
+    def volume_interval90(self) -> tuple[float, float | None]:
+        """90 % interval of the volume, cubic metres: log-normal, or from the dimensions' own intervals where one is open."""
+        if not any(self.is_open):
+            factor = float(np.exp(Z90 * self._relative_sigma()))
+            return self.volume / factor, self.volume * factor
+        values = self._values()
+        below = np.linalg.norm([np.log(v / max(i.low, 1e-3)) for v, i in zip(values, self.intervals, strict=True)])
+        above = np.linalg.norm([np.log(i.high / v) for v, i in zip(values, self.intervals, strict=True)])
+        return self.volume * float(np.exp(-below)), _finite(self.volume * float(np.exp(above)))
+
+    @property
+    def basis(self) -> tuple[str, ...]:
+        """For each dimension: seen (a seen face spans it), inferred (from edges and free space only), or open."""
+        seen = {face.name for face in self.quality.faces if face.seen}
+        spanning = ({"+y", "-y", "top"}, {"+x", "-x", "top"}, {"+x", "-x", "+y", "-y", "top"})
+        return tuple("open" if self.is_open[axis] else "seen" if seen & spanning[axis] else "inferred" for axis in self.order)
+
+    def oriented(self) -> Pose:
+        """Return (4, 4) box_to_camera with its origin at the box's centre and its axes along the reported dimensions."""
+        axes = self.box.box_to_camera[:3, :3][:, self.order]
+        if np.linalg.det(axes) < 0:
+            axes = axes * (1.0, 1.0, -1.0)
+        return pose(axes, self.box.centre)
+
+    def to_dict(self, camera_to_world: Pose) -> dict[str, object]:
+        """Return the JSON form of one box (docs/json.md)."""
+        return {
+            "dimensions_m": _rounded(self.dimensions),
+            "sigma_m": [None if s is None else round(s, 5) for s in self.sigma],
+            "interval90_m": [[round(low, 5), None if high is None else round(high, 5)] for low, high in self.interval90],
+            "vertical": self.vertical,
+            "volume_m3": round(self.volume, 6),
+            "volume_sigma_m3": None if self.volume_sigma is None else round(self.volume_sigma, 6),
+            "volume_interval90_m3": [None if v is None else round(v, 6) for v in self.volume_interval90],
+            "box_to_camera": _rounded(self.oriented()),
+            "box_to_world": _rounded(camera_to_world @ self.oriented()),
+            "faces_seen": [name for name in FACES if any(face.name == name and face.seen for face in self.quality.faces)],
+            "basis": list(self.basis),
+            "flags": list(self.flags),
+        }
+
+    def _values(self) -> Array:
+        """Return (3,) reported extents by box axis: the estimate, or the lower bound of an open one."""
+        return np.array([
+            interval.low if opened else extent
+            for extent, interval, opened in zip(self.box.extents, self.intervals, self.is_open, strict=True)
+        ])  # fmt: skip
+
+    def _relative_sigma(self) -> float:
+        gradient = np.concatenate([np.zeros(6), 1 / self.box.extents])
+        return float(np.sqrt(gradient @ self.covariance @ gradient))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rejected:
+    """An object on the floor that is not reported as a box."""
+
+    reason: str
+    """A key of :data:`REASONS`."""
+    returns: int
+    """How many returns it has."""
+    centre: Vector3
+    """(3,) mean of its points, metres, camera frame."""
+    spread: Vector3
+    """(3,) half-extent of its points, metres, camera frame axes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measurement:
+    """The result of measuring one scan, or several fused: boxes, largest in the image first, or a reason."""
+
+    scans: tuple[str, ...]
+    """Where the scans came from."""
+    floor: Floor | None
+    """The floor, in the camera frame of the (last) scan."""
+    boxes: tuple[BoxEstimate, ...]
+    """Measured boxes; empty if there is a reason."""
+    reason: str | None
+    """A key of :data:`REASONS`, or None."""
+    rejected: tuple[Rejected, ...] = ()
+    """Objects that are not boxes, largest first."""
+    camera_to_world: Pose | None = None
+    """Pose of the (last) scan's camera, where it was given."""
+    notes: tuple[str, ...] = ()
+    """What the reader decided about the scans, for the user to check."""
+
+    @property
+    def world(self) -> Pose:
+        """(4, 4) camera_to_world: the given pose's, else the floor's frame with its origin under the camera."""
+        if self.camera_to_world is not None:
+            return self.camera_to_world
+        return np.eye(4) if self.floor is None else inverse(floor_to_camera(self.floor.plane))
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the versioned JSON form (docs/json.md)."""
+        floor = self.floor
+        return {
+            "schema": SCHEMA,
+            "scans": list(self.scans),
+            "floor": None if floor is None else {
+                "normal_camera": _rounded(floor.plane.normal),
+                "camera_height_m": round(floor.plane.offset, 5),
+                "spread_m": round(floor.spread, 5),
+            },
+            "boxes": [box.to_dict(self.world) for box in self.boxes],
+            "rejected": [{"reason": r.reason, "returns": r.returns, "centre_camera_m": _rounded(r.centre)} for r in self.rejected],
+            "reason": self.reason,
+        }  # fmt: skip
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _rounded(array: Array) -> list[object]:
+    return np.round(np.asarray(array, dtype=float), 6).tolist()  # type: ignore[no-any-return]

@@ -1,0 +1,145 @@
+"""From curvature to error bars: noise, what calibration leaves, how far real surfaces stray, and dimensions nobody saw."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array
+from viewgain.box import PARAMETERS, Box
+from viewgain.camera import Sensor
+from viewgain.measure._fit import SHARP, Fit, marginal
+from viewgain.measure._likelihood import Evaluation, Pixels, evaluate
+
+PRIOR_EXTENT = (0.02, 2.0)
+"""The stated prior on a dimension is log-uniform between these, metres."""
+OPEN_SHARE = 0.15
+"""A dimension whose standard deviation exceeds this share of it is open: the scan does not bound it like a measurement."""
+MODEL_ERROR = 1.25
+"""Variance of the estimate over what the curvature says, beyond correlated noise: side peaks of the edge likelihood and its
+simplified mixed pixels. Fitted once on simulated scans (`python -m benchmarks calibration`), never on boxbench or real ones."""
+Z90 = 1.6448536269514722
+"""Half-width of a 90 % normal interval, in standard deviations."""
+LOOSE_PRIOR = np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0])
+"""(9, 9) information of the prior: 1 rad on each angle, 0.5 m on each length."""
+_BLOCK_PX = 6.0
+_MIN_BLOCK = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """A 90 % interval; ``high`` is inf and ``sigma`` nan where nothing bounds the quantity from above."""
+
+    low: float
+    """Lower end (5 % quantile)."""
+    high: float
+    """Upper end (95 % quantile), or inf."""
+    sigma: float
+    """Standard deviation, or nan."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """What scans say about a box, in the tangent space of its estimate: it adds up over views."""
+
+    information: Array
+    """(9, 9) information, as if noise were independent from pixel to pixel."""
+    systematic: Array
+    """(9, 3) gradient caused by a unit scale error, a unit offset (metre) and an outline one pixel too wide."""
+    inflation: float = 1.0
+    """Variance over what independent noise would give: correlated noise and model error."""
+
+    def plus(self, other: "Knowledge") -> "Knowledge":
+        """Return what both say together; one camera, so both share its systematic error."""
+        return Knowledge(
+            self.information + other.information, self.systematic + other.systematic, max(self.inflation, other.inflation)
+        )
+
+    def covariance(self, sensor: Sensor) -> Array:
+        """Return the (9, 9) covariance of the box: noise, inflated, plus systematic error.
+
+        With information L, inflation k and systematic gradient S the covariance is k L^-1 + L^-1 S diag(sd^2) S^T L^-1 (ours).
+        A loose prior (1 rad, 0.5 m) keeps directions finite that no view fixes.
+        """
+        spread = np.linalg.inv(self.information + LOOSE_PRIOR)
+        response = spread @ self.systematic * (sensor.scale_sd, sensor.offset_sd, sensor.edge_sd_px)
+        return np.asarray(self.inflation * spread + response @ response.T)
+
+
+def knowledge(fit: Fit) -> Knowledge:
+    """Return what the views of a fit say about its box, with their pose errors integrated out."""
+    parts = [
+        marginal(evaluation.information, evaluation.systematic, view.pose_precision)
+        for view, evaluation in zip(fit.views, fit.evaluations, strict=True)
+    ]
+    factors = [correlation_factor(e, v.pixels) for e, v in zip(fit.evaluations, fit.views, strict=True)]
+    return Knowledge(sum(p[0] for p in parts), sum(p[1] for p in parts), MODEL_ERROR * float(np.mean(factors)))  # type: ignore[arg-type]
+
+
+def correlation_factor(evaluation: Evaluation, pixels: Pixels) -> float:
+    """Return by how much the means of residuals over 6 x 6 pixel blocks vary more than independent noise would let them, >= 1.
+
+    Bent faces, rough floors, multipath and filters in the camera all make neighbouring errors alike; a block mean shows it.
+    """
+    residual, inside = evaluation.residual, evaluation.inside
+    with np.errstate(invalid="ignore"):
+        used = np.flatnonzero((np.abs(inside) > 2) & (np.abs(residual) < 4))
+    if len(used) < _MIN_BLOCK:
+        return 1.0
+    cell = np.floor(pixels.image[used] / (pixels.pitch * _BLOCK_PX)).astype(int)
+    cell -= cell.min(axis=0)
+    surface = np.where(inside[used] > 0, evaluation.hits.planes[used], PARAMETERS)
+    key = (cell[:, 1] * (cell[:, 0].max() + 1) + cell[:, 0]) * (PARAMETERS + 1) + surface
+    _, block, count = np.unique(key, return_inverse=True, return_counts=True)
+    mean = np.bincount(block, residual[used]) / count
+    full = count >= _MIN_BLOCK
+    if full.sum() < 5:
+        return 1.0
+    return float(max(1.0, np.mean(mean[full] ** 2 * count[full])))
+
+
+def extent_interval(axis: int, fit: Fit, spread: Array) -> Interval:
+    """Return the 90 % interval of one extent: Gaussian where the scan bounds it, else from likelihood profile and prior.
+
+    Args:
+        axis: Which extent, 0 to 2.
+        fit: The fitted box.
+        spread: Its (9, 9) covariance.
+    """
+    value = float(fit.box.extents[axis])
+    sigma = float(np.sqrt(spread[6 + axis, 6 + axis]))
+    if sigma < OPEN_SHARE * value:
+        return Interval(value - Z90 * sigma, value + Z90 * sigma, sigma)
+    return _profiled(axis, fit)
+
+
+def _profiled(axis: int, fit: Fit) -> Interval:
+    """Return the interval of an extent that the scan leaves open, by moving it along its own ridge of the likelihood.
+
+    The ridge is the direction in which the other parameters follow when the extent grows (the seen face stays, the unseen one
+    moves off). Posterior: profile likelihood times the log-uniform prior; the upper end is open where the likelihood never
+    falls by more than two units.
+    """
+    spread = np.linalg.inv(knowledge(fit).information + LOOSE_PRIOR)
+    ridge = spread[:, 6 + axis] / spread[6 + axis, 6 + axis]
+    value = fit.box.extents[axis]
+    grid = np.geomspace(*PRIOR_EXTENT, 90)
+    log_likelihood = np.array([_value_at(fit.box.moved(ridge * (length - value)), fit) for length in grid])
+    log_likelihood -= log_likelihood.max()
+    posterior = np.exp(log_likelihood)
+    posterior /= posterior.sum()
+    low, high = np.interp([0.05, 0.95], np.cumsum(posterior), grid)
+    if log_likelihood[-1] > -2.0:
+        return Interval(float(min(low, value)), np.inf, np.nan)
+    mean = float(posterior @ grid)
+    step = value * (grid[1] / grid[0] - 1)
+    sigma = float(np.sqrt(posterior @ (grid - mean) ** 2 + step**2 / 12))
+    return Interval(float(min(low, value - Z90 * step / 2)), float(max(high, value + Z90 * step / 2)), sigma)
+
+
+def _value_at(box: Box, fit: Fit) -> float:
+    if np.any(box.extents <= 0):
+        return -np.inf
+    return sum(
+        evaluate(view.sees(box, correction), view.pixels, view.sensor, view.noise, SHARP[0]).value
+        for view, correction in zip(fit.views, fit.corrections, strict=True)
+    )
