@@ -302,7 +302,9 @@ def test_bad_arguments(tmp_path: Path) -> None:
         read_scan(scan, min_amplitude=float("nan"))
     with pytest.raises(ScanError, match="has none; give amplitude="):
         read_scan(scan, min_amplitude=5)
-    with pytest.raises(ConfigError, match="wanted a 4x4 pose matrix"):
+    with pytest.raises(ConfigError, match="camera_to_world: could not convert string to float"):
+        read_scan(scan, camera_to_world=np.array(["here"]))
+    with pytest.raises(ConfigError, match=r"^camera_to_world: got an array .* wanted a 4x4 pose matrix"):
         read_scan(scan, camera_to_world=np.eye(3))
     ply = files.put(tmp_path, "scan.ply", files.ply(files.xyz(CLOUD)))
     with pytest.raises(ScanError, match=r"scan\.ply: is an unorganised cloud, .* leave them out"):

@@ -34,7 +34,7 @@ def test_the_file_beside_the_image_is_found_and_named(image: Path) -> None:
     np.testing.assert_allclose(scan.camera_to_world, files.POSE, atol=1e-12)
     np.testing.assert_allclose(scan.points[:, 2], COUNTS.reshape(-1)[1:] * 0.002, rtol=1e-14)
     given = read_scan(image, intrinsics=general)
-    assert not any("beside" in note for note in given.notes)
+    assert not any("beside the image" in note for note in given.notes)
     assert given.camera_to_world is None
 
 
@@ -49,7 +49,8 @@ def test_points_lie_on_the_rays_of_their_pixels(image: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("written", "metres"), [(0.001, 0.001), (0.0001, 0.0001), (1000, 0.001), (5000, 0.0002), (1, 0.001), (0.25, 0.00025), (0.1, 0.0001)]
+    ("written", "metres"),
+    [(0.001, 0.001), (0.0001, 0.0001), (1000, 0.001), (5000, 0.0002), (1, 0.001), (0.25, 0.00025), (0.1, 0.0001)],
 )
 def test_the_three_ways_to_write_a_depth_scale(image: Path, written: float, metres: float) -> None:
     """Metres per count (RealSense), counts per metre (Open3D), millimetres per count (Orbbec)."""

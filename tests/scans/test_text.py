@@ -58,7 +58,9 @@ def test_named_normals_are_kept(tmp_path: Path) -> None:
 
 def test_which_columns_were_taken_is_said(tmp_path: Path) -> None:
     assert any("first three" in note for note in read_scan(files.put(tmp_path, "a.csv", rows(POINTS))).notes)
-    assert any("as the header names them" in note for note in read_scan(files.put(tmp_path, "b.csv", "x,y,z\n" + rows(POINTS))).notes)
+    assert any(
+        "as the header names them" in note for note in read_scan(files.put(tmp_path, "b.csv", "x,y,z\n" + rows(POINTS))).notes
+    )
 
 
 def test_invalid_returns_are_counted(tmp_path: Path) -> None:

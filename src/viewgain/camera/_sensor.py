@@ -40,9 +40,9 @@ class Sensor:
     offset_sd: float = 0.003
     """Standard deviation of the constant range error that remains after calibration, metres."""
 
-    edge_sd_px: float = 0.04
-    """Standard deviation of how much too wide or narrow the camera shows an outline, all around it, pixels: mixed pixels and
-    the filters against them move edges together."""
+    edge_sd_px: float = 0.1
+    """Standard deviation of where the camera shows an edge of an outline as a whole, pixels: mixed pixels and the filters
+    against them shift whole edges."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.range_min < self.range_max:

@@ -15,3 +15,4 @@ from viewgain.measure._result import Rejected as Rejected
 from viewgain.measure._uncertainty import LOOSE_PRIOR as LOOSE_PRIOR
 from viewgain.measure._uncertainty import PRIOR_EXTENT as PRIOR_EXTENT
 from viewgain.measure._uncertainty import Knowledge as Knowledge
+from viewgain.measure._uncertainty import without_edge_bias as without_edge_bias

@@ -82,8 +82,11 @@ class Evaluation:
     hits: Hits
     """Where the rays meet the box."""
     systematic: Array
-    """(9, 3) gradient caused by a unit relative scale error and a unit offset (metre) of all ranges, and by an outline that
-    the camera shows a pixel too wide all around."""
+    """(9, 2) gradient caused by a unit relative scale error and by a unit offset (metre) of all ranges."""
+    edge_pull: Array
+    """(k, 9) gradient caused by each edge of the outline being shown one pixel too far out."""
+    edge_precision: Array
+    """(k,) information about where each edge of the outline lies, per square pixel."""
 
 
 def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness) -> Evaluation:
@@ -134,14 +137,15 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
     information += (floor_jacobian.T * floor_pull.weight[floor_pull.used]) @ floor_jacobian
     information += (edge_rows.T * edge_curvature) @ edge_rows
     scale_and_offset = np.stack([pixels.ranges, np.ones(len(pixels.ranges))], axis=1)
-    systematic = np.zeros((len(gradient), 3))
-    systematic[:, :2] = (face_jacobian.T * face_pull.weight[face_pull.used]) @ scale_and_offset[face_pull.used]
-    systematic[:, :2] += (floor_jacobian.T * floor_pull.weight[floor_pull.used]) @ scale_and_offset[floor_pull.used]
-    systematic[:, 2] = edge_rows.T @ edge_curvature
+    systematic = (face_jacobian.T * face_pull.weight[face_pull.used]) @ scale_and_offset[face_pull.used]
+    systematic += (floor_jacobian.T * floor_pull.weight[floor_pull.used]) @ scale_and_offset[floor_pull.used]
+    which = edges.edge[at_edge]
+    edge_pull = np.array([(edge_rows * edge_curvature[:, None])[which == k].sum(axis=0) for k in range(len(shape.vertices))])
+    edge_precision = np.bincount(which, edge_curvature, minlength=len(shape.vertices))
     probability = on_box / np.maximum(on_box + on_floor, 1e-300)
     residual = np.where(probability > 0.5, near.z, far.z)
     return Evaluation(
-        float(np.sum(np.log(density))), gradient, information, probability, inside, residual, hits, systematic
+        float(np.sum(np.log(density))), gradient, information, probability, inside, residual, hits, systematic, edge_pull, edge_precision
     )
 
 

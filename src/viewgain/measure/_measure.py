@@ -38,7 +38,7 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
 
     Args:
         scan: The scan, camera frame.
-        camera: Preset name or sensor, for its noise and systematic error. Without it the noise is estimated from the scan
+        camera: Preset name or sensor, for its noise and systematic error; its image is taken from the scan. Without it the noise is estimated from the scan
             and the systematic error is that of the default sensor (0.3 % scale, 3 mm offset).
         floor: A scan of the empty scene from the same pose, for stations where the box hides the floor.
 
@@ -48,8 +48,8 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
     Raises:
         ConfigError: If ``camera`` names no preset.
     """
-    model = sensor_of(camera)
     image = range_image(scan)
+    model = replace(sensor_of(camera), intrinsics=image.intrinsics)
     floors = find_floors(image if floor is None else range_image(floor), model)
     attempts = [_on_floor(image, candidate, model, noise_known=camera is not None) for candidate in floors]
     if not attempts:

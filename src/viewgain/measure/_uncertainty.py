@@ -14,7 +14,7 @@ PRIOR_EXTENT = (0.02, 2.0)
 """The stated prior on a dimension is log-uniform between these, metres."""
 OPEN_SHARE = 0.15
 """A dimension whose standard deviation exceeds this share of it is open: the scan does not bound it like a measurement."""
-MODEL_ERROR = 1.25
+MODEL_ERROR = 1.0
 """Variance of the estimate over what the curvature says, beyond correlated noise: side peaks of the edge likelihood and its
 simplified mixed pixels. Fitted once on simulated scans (`python -m benchmarks calibration`), never on boxbench or real ones."""
 Z90 = 1.6448536269514722
@@ -44,7 +44,7 @@ class Knowledge:
     information: Array
     """(9, 9) information, as if noise were independent from pixel to pixel."""
     systematic: Array
-    """(9, 3) gradient caused by a unit scale error, a unit offset (metre) and an outline one pixel too wide."""
+    """(9, 2) gradient caused by a unit scale error and a unit offset (metre) of all ranges."""
     inflation: float = 1.0
     """Variance over what independent noise would give: correlated noise and model error."""
 
@@ -61,18 +61,36 @@ class Knowledge:
         A loose prior (1 rad, 0.5 m) keeps directions finite that no view fixes.
         """
         spread = np.linalg.inv(self.information + LOOSE_PRIOR)
-        response = spread @ self.systematic * (sensor.scale_sd, sensor.offset_sd, sensor.edge_sd_px)
+        response = spread @ self.systematic * (sensor.scale_sd, sensor.offset_sd)
         return np.asarray(self.inflation * spread + response @ response.T)
 
 
 def knowledge(fit: Fit) -> Knowledge:
-    """Return what the views of a fit say about its box, with their pose errors integrated out."""
-    parts = [
-        marginal(evaluation.information, evaluation.systematic, view.pose_precision)
-        for view, evaluation in zip(fit.views, fit.evaluations, strict=True)
-    ]
+    """Return what the views of a fit say about its box, with edge and pose errors integrated out."""
+    information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
+    for view, evaluation in zip(fit.views, fit.evaluations, strict=True):
+        free = without_edge_bias(evaluation.information, evaluation.edge_pull, evaluation.edge_precision, view.sensor.edge_sd_px)
+        added, shared = marginal(free, evaluation.systematic, view.pose_precision)
+        information += added
+        systematic += shared
     factors = [correlation_factor(e, v.pixels) for e, v in zip(fit.evaluations, fit.views, strict=True)]
-    return Knowledge(sum(p[0] for p in parts), sum(p[1] for p in parts), MODEL_ERROR * float(np.mean(factors)))  # type: ignore[arg-type]
+    return Knowledge(information, systematic, MODEL_ERROR * float(np.mean(factors)))
+
+
+def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Array, edge_sd_px: float) -> Array:
+    """Return (9, 9) information after each outline edge's own offset, N(0, edge_sd_px), is integrated out (Schur complement).
+
+    Mixed pixels, and the filters of cameras against them, shift an edge as a whole; without this a long edge would claim to
+    be known to a hundredth of a pixel.
+
+    Args:
+        information: (9, 9) information if every edge were shown where it is.
+        edge_pull: (k, 9) gradient per pixel of shift of each edge.
+        edge_precision: (k,) information about each edge's place, per square pixel.
+        edge_sd_px: Standard deviation of the shift, pixels.
+    """
+    share = 1 / (edge_precision + 1 / max(edge_sd_px, 1e-6) ** 2)
+    return np.asarray(information - (edge_pull.T * share) @ edge_pull)
 
 
 def correlation_factor(evaluation: Evaluation, pixels: Pixels) -> float:

@@ -94,26 +94,26 @@ def depth_to_points(depth: Image, camera: DepthCamera) -> tuple[Array, tuple[str
     Depth 0 gives the origin and NaN or infinite depth such a point, so that they are counted as what they are. Pixels outside the
     range where the lens model can be inverted are NaN.
     """
-    intrinsics = camera.intrinsics
-    rays = intrinsics.rays()
+    rays, outside = _rays(camera.intrinsics)
     directions: Any = np.dstack([rays, np.ones(rays.shape[:2])])
     if camera.kind == "range":
         directions = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
     finite = np.isfinite(depth)
     points = np.where(finite[..., None], directions * np.where(finite, depth, 0.0)[..., None], depth[..., None])
-    outside = _outside_lens(intrinsics, rays)
-    points[outside & (depth != 0)] = np.nan
-    lost = int(np.count_nonzero(outside & (depth != 0)))
+    outside &= depth != 0
+    points[outside] = np.nan
+    lost = np.count_nonzero(outside)
     return points, (f"lens: {lost} returns lie where the distortion model cannot be inverted; dropped as NaN",) if lost else ()
 
 
-def _outside_lens(intrinsics: Intrinsics, rays: Array) -> Mask:
-    """Return the (h, w) mask of pixels whose ray does not project back to within half a pixel of them."""
-    if not intrinsics.distortion:
-        return np.zeros(rays.shape[:2], dtype=bool)
+def _rays(intrinsics: Intrinsics) -> tuple[Array, Mask]:
+    """Return the (h, w, 2) rays and the (h, w) mask of pixels whose ray does not project back to within half a pixel of them."""
+    with np.errstate(all="ignore"):  # outside the range of the lens model the iteration runs away
+        rays = intrinsics.rays()
+        back = intrinsics.distort(rays) * (intrinsics.fx, intrinsics.fy) + (intrinsics.cx, intrinsics.cy)
     u, v = np.meshgrid(np.arange(intrinsics.width), np.arange(intrinsics.height))
-    back = intrinsics.distort(rays) * (intrinsics.fx, intrinsics.fy) + (intrinsics.cx, intrinsics.cy)
-    return np.asarray(~(np.hypot(back[..., 0] - u, back[..., 1] - v) < 0.5))
+    outside = ~(np.hypot(back[..., 0] - u, back[..., 1] - v) < 0.5)
+    return np.where(outside[..., None], 0.0, rays), outside
 
 
 def decode_amplitude(path: Path, data: bytes) -> Image:

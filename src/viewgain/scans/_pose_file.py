@@ -62,7 +62,10 @@ def read_pose(source: PathLike | Array) -> Pose:
         ConfigError: If the file is missing or holds no rigid 4x4 matrix.
     """
     if not isinstance(source, (str, Path)) and not hasattr(source, "__fspath__"):
-        return require_rigid(np.asarray(source, dtype=float), "camera_to_world")
+        try:
+            return require_rigid(np.asarray(source, dtype=float), "camera_to_world")
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"camera_to_world: {one_line(error).removeprefix('camera_to_world: ')}") from error
     path = Path(source)
     if path.suffix.lower() == ".json":
         content = load_json(path, "pose")

@@ -96,7 +96,9 @@ def _translated(error: Exception, path: Path) -> ViewgainError:
     if isinstance(error, MemoryError):
         return ScanError(f"{path}: does not fit into memory; is this the right file?")
     if isinstance(error, OSError) and error.strerror:
-        return ScanError(f"{path}: cannot be read ({error.strerror}); check the file and its permissions")
+        return ScanError(
+            printable(f"{error.filename or path}: cannot be read ({error.strerror}); check the file and its permissions")
+        )
     return ScanError(f"{path}: is damaged or no {path.suffix} file ({reason}); export the scan again")
 
 
@@ -157,7 +159,7 @@ def _settled(path: Path, raw: RawScan, units: str | None, min_amplitude: float |
     normals = unit_normals(raw.normals)
     frame_notes: tuple[str, ...] = ()
     if not raw.from_depth:
-        points, normals, pose, frame_notes = face_forward(points, normals, pose)
+        (points, normals, pose), frame_notes = face_forward(points, normals, pose)
     points, weak = _without_weak(points, raw.amplitude, min_amplitude)
     scan = Scan.from_array(
         points,

@@ -1,9 +1,11 @@
 """Writing scans as PLY, NPZ or depth PNG: whole files or none (a temporary file in the same folder, then a rename)."""
 
+import contextlib
 import io
 import json
 import os
 import secrets
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 from viewgain.arrays import Indices, Points, Pose
 from viewgain.camera import Intrinsics
 from viewgain.errors import ConfigError, ScanError
-from viewgain.scans._raw import PathLike, one_line
+from viewgain.scans._raw import PathLike, one_line, printable
 from viewgain.scans._scan import Scan
 
 _LARGEST_COUNT = 65534
@@ -49,14 +51,14 @@ def write_scan(scan: Scan, path: PathLike, *, depth_scale: float = 0.001, depth_
 
 
 def write_files(files: dict[Path, bytes]) -> None:
-    """Write all files or none, each at once in place of an old one.
+    """Write all files or none, each at once in place of an old one (of several files, the last is the one that counts).
 
     Raises:
-        ScanError: If one cannot be written; temporary files and new files of this call are removed.
+        ScanError: If one cannot be written; temporary files are removed and replaced files are put back, also on Ctrl-C.
     """
     token = secrets.token_hex(4)
     temporary = {path: path.with_name(f".{path.name}.{token}.tmp") for path in files}
-    placed: list[Path] = []
+    undo: dict[Path, bytes | None] = {}
     path = next(iter(files))
     try:
         for path, content in files.items():
@@ -65,24 +67,28 @@ def write_files(files: dict[Path, bytes]) -> None:
                 file.flush()
                 os.fsync(file.fileno())
         for path in files:
-            existed = path.exists()
-            os.replace(temporary[path], path)  # noqa: PTH105 - one call for tests to break
-            placed += [] if existed else [path]
-    except OSError as error:
-        for done in placed:
-            done.unlink(missing_ok=True)
+            old = path.read_bytes() if len(files) > 1 and path.exists() else None
+            os.replace(temporary[path], path)  # noqa: PTH105 - os.replace is what the tests break
+            undo[path] = old
+    except BaseException as error:
+        _take_back(temporary.values(), undo)
+        if not isinstance(error, OSError):
+            raise
         reason = error.strerror or one_line(error)
-        raise ScanError(f"{path}: cannot be written ({reason}); check the folder and its free space") from error
-    finally:
-        for file_path in temporary.values():
-            _remove(file_path)
+        raise ScanError(printable(f"{path}: cannot be written ({reason}); check the folder and its free space")) from error
 
 
-def _remove(path: Path) -> None:
-    try:
-        path.unlink(missing_ok=True)
-    except OSError:
-        return
+def _take_back(temporary: Iterable[Path], undo: dict[Path, bytes | None]) -> None:
+    """Remove temporary files (which makes room), then put every replaced file back as it was."""
+    for path in temporary:
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)
+    for path, old in undo.items():
+        with contextlib.suppress(OSError):
+            if old is None:
+                path.unlink(missing_ok=True)
+            else:
+                path.write_bytes(old)
 
 
 def _ply(scan: Scan) -> bytes:

@@ -1,0 +1,19 @@
+"""Where the camera should go next: rigs, what each candidate would teach, policies, and the stop rule."""
+
+from viewgain.plan._belief import Belief as Belief
+from viewgain.plan._belief import Outlook as Outlook
+from viewgain.plan._next import Candidate as Candidate
+from viewgain.plan._next import NextView as NextView
+from viewgain.plan._next import next_view as next_view
+from viewgain.plan._policy import Assessment as Assessment
+from viewgain.plan._policy import CovariancePolicy as CovariancePolicy
+from viewgain.plan._policy import Policy as Policy
+from viewgain.plan._policy import RandomPolicy as RandomPolicy
+from viewgain.plan._predict import Prediction as Prediction
+from viewgain.plan._predict import predict as predict
+from viewgain.plan._rig import RIGS as RIGS
+from viewgain.plan._rig import Rig as Rig
+from viewgain.plan._rig import Station as Station
+from viewgain.plan._rig import place as place
+from viewgain.plan._rig import rig as rig
+from viewgain.plan._words import directions_in_words as directions_in_words

@@ -1,0 +1,190 @@
+"""The next best view: believe, place the rig, score every candidate, decide, and say whether to stop."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array, Pose
+from viewgain.camera import Sensor
+from viewgain.errors import ConfigError
+from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
+from viewgain.plan._belief import Belief, belief_from, belief_from_blob, camera_above, floor_pose, outlook
+from viewgain.plan._policy import Assessment, CovariancePolicy, Policy
+from viewgain.plan._predict import MIN_FACE_PIXELS
+from viewgain.plan._rig import Rig, place
+from viewgain.plan._rig import rig as find_rig
+from viewgain.scans import Scan
+
+SCHEMA = 1
+"""Version of the JSON form; it grows by new keys only."""
+INDIFFERENT = 0.01
+"""Of candidates whose scores lie this close together, the nearest is taken."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """One station of the rig and what going there would bring."""
+
+    index: int
+    """Place in rig order."""
+    camera_to_current: Pose
+    """(4, 4) its pose in the present camera's frame."""
+    assessment: Assessment
+    """The policy's view of it."""
+    reachable: bool
+    """Whether the rig's limits allow it."""
+
+    @property
+    def travel(self) -> float:
+        """Distance from the present camera, metres."""
+        return float(np.linalg.norm(self.camera_to_current[:3, 3]))
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the JSON form (docs/json.md)."""
+        after, prediction = self.assessment.outlook, self.assessment.prediction
+        return {
+            "index": self.index,
+            "camera_to_current": np.round(self.camera_to_current, 6).tolist(),
+            "score": round(self.assessment.score, 5),
+            "volume_sigma_m3": None if after is None else float(f"{after.volume_sigma:.4g}"),
+            "p_within_tolerance": None if after is None else round(after.within_tolerance, 4),
+            "faces": [] if prediction is None else [
+                {"name": s.name, "incidence_deg": round(float(np.rad2deg(s.incidence)), 1), "returns": round(s.returns)}
+                for s in prediction.sights if s.returns >= MIN_FACE_PIXELS
+            ],
+            "cut": None if prediction is None else prediction.cut,
+            "reachable": self.reachable,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NextView:
+    """The ranked candidates and the decision."""
+
+    rig: str
+    """Name of the rig."""
+    policy: str
+    """Name of the policy that decided."""
+    current: Measurement
+    """What is measured now."""
+    candidates: tuple[Candidate, ...]
+    """Every station, in rig order; empty if there is a reason."""
+    best: int | None
+    """Index of the best reachable candidate, or None."""
+    stop: bool
+    """Whether the volume is already known as well as asked for."""
+    within_tolerance: float | None
+    """Probability now that the relative volume error is under the tolerance."""
+    tolerance: float
+    """Relative volume error asked for."""
+    confidence: float
+    """Probability asked for."""
+    reason: str | None
+    """Why nothing can be planned: ``no_floor``, ``nothing_on_floor``, ``no_reachable_view``, or None."""
+    objective: str = "volume"
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the versioned JSON form (docs/json.md)."""
+        return {
+            "schema": SCHEMA,
+            "rig": self.rig,
+            "objective": self.objective,
+            "policy": self.policy,
+            "current": self.current.to_dict(),
+            "candidates": [candidate.to_dict() for candidate in self.candidates],
+            "best": self.best,
+            "stop": self.stop,
+            "p_within_tolerance": None if self.within_tolerance is None else round(self.within_tolerance, 4),
+            "tolerance": self.tolerance,
+            "confidence": self.confidence,
+            "reason": self.reason,
+        }
+
+
+def next_view(
+    current: Scan | list[Scan] | Measurement,
+    rig: str | Rig = "ring8",
+    *,
+    objective: str = "volume",
+    policy: Policy | None = None,
+    camera: str | Sensor | None = None,
+    tolerance: float = 0.05,
+    confidence: float = 0.95,
+    pose_sigma: tuple[float, float] = POSE_SIGMA,
+) -> NextView:
+    """Rank the stations of a rig by how well the box's volume would be known after going there.
+
+    Of several boxes the largest in the image is planned for. Where nothing could be measured, the largest rejected object is
+    looked at as a blob of unknown size, so the question is answered when it is needed most.
+
+    Args:
+        current: A scan, several with poses (fused; the last is the camera as it stands), or an earlier measurement.
+        rig: Preset name, path of a rig file, or a rig.
+        objective: ``volume``.
+        policy: Who scores; default the model-based :class:`CovariancePolicy`.
+        camera: Preset name or sensor; default estimated from the scan. Its image is that of the scan where that has one.
+        tolerance: Relative volume error asked for.
+        confidence: Probability asked for: stop when P(error < tolerance) exceeds it.
+        pose_sigma: Standard deviation of camera poses, metres and radians per axis.
+
+    Returns:
+        The ranking; with no candidates and a reason if there is no floor or nothing on it.
+
+    Raises:
+        ConfigError: If rig, objective, tolerance or confidence make no sense, or several scans come without poses.
+    """
+    stations = find_rig(rig)
+    if objective != "volume":
+        raise ConfigError(f"objective {objective!r} is not known; choose volume")
+    if not 0 < tolerance < 1 or not 0 < confidence < 1:
+        raise ConfigError(f"got tolerance {tolerance} and confidence {confidence}, wanted both between 0 and 1")
+    decider = policy or CovariancePolicy(pose_sigma)
+    measured = _measured(current, camera, pose_sigma)
+    believed = _belief(measured, sensor_of(camera))
+    if believed is None:
+        return NextView(
+            stations.name, decider.name, measured, (), None, False, None, tolerance, confidence, measured.reason, objective
+        )
+    poses = place(stations, believed.mean.centre, floor_pose(believed), measured.camera_to_world)
+    assessments = decider.assess(believed, poses, tolerance)
+    candidates = tuple(
+        Candidate(index, pose, assessment, _reachable(pose, believed, stations))
+        for index, (pose, assessment) in enumerate(zip(poses, assessments, strict=True))
+    )
+    best = _best(candidates)
+    chance = outlook(believed, tolerance).within_tolerance
+    stop = believed.bounded and chance > confidence
+    reason = "no_reachable_view" if best is None else None
+    return NextView(
+        stations.name, decider.name, measured, candidates, best, stop, chance, tolerance, confidence, reason, objective
+    )
+
+
+def _measured(current: Scan | list[Scan] | Measurement, camera: str | Sensor | None, pose_sigma: tuple[float, float]) -> Measurement:
+    if isinstance(current, Measurement):
+        return current
+    if isinstance(current, Scan):
+        return measure(current, camera=camera)
+    return fuse(current, camera=camera, pose_sigma=pose_sigma)
+
+
+def _belief(measured: Measurement, sensor: Sensor) -> Belief | None:
+    if measured.boxes:
+        return belief_from(measured.boxes[0])
+    if measured.rejected:
+        return belief_from_blob(measured.rejected[0], measured, sensor)
+    return None
+
+
+def _reachable(camera_to_current: Array, belief: Belief, stations: Rig) -> bool:
+    height, distance = camera_above(camera_to_current, belief)
+    return height >= stations.min_height and distance >= max(stations.min_distance, belief.sensor.range_min)
+
+
+def _best(candidates: tuple[Candidate, ...]) -> int | None:
+    """Return the reachable candidate with the best score, the nearest of those within a hair of it."""
+    reachable = [candidate for candidate in candidates if candidate.reachable]
+    if not reachable:
+        return None
+    top = max(candidate.assessment.score for candidate in reachable)
+    return min((c for c in reachable if c.assessment.score >= top - INDIFFERENT), key=lambda c: c.travel).index

@@ -1,0 +1,87 @@
+"""Policies: given what is believed and where the camera could go, a score for every candidate."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from viewgain.arrays import Array, Poses
+from viewgain.measure import Knowledge, marginal, pose_precision
+from viewgain.geometry import inverse
+from viewgain.plan._belief import Belief, Outlook, normal_within, outlook, relative_sigma
+from viewgain.plan._predict import Prediction, predict
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assessment:
+    """A policy's view of one candidate."""
+
+    score: float
+    """The higher the better; comparable within one call only."""
+    outlook: Outlook | None
+    """Expected knowledge of the volume after fusing the candidate, where the policy predicts it."""
+    prediction: Prediction | None
+    """What the candidate would show, where the policy predicts it."""
+
+
+class Policy(Protocol):
+    """Scores candidate poses from what is believed; knows nothing of the truth."""
+
+    @property
+    def name(self) -> str:
+        """Name for tables and JSON."""
+        ...
+
+    def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
+        """Return one assessment per candidate.
+
+        Args:
+            belief: What the scans so far say.
+            candidates: (v, 4, 4) poses ``camera_to_current``.
+            tolerance: Relative volume error the user accepts.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class CovariancePolicy:
+    """The model-based policy: propagate the covariance through each candidate's expected measurement.
+
+    For every box still possible: information now + information the candidate would add = information after, and from it the
+    volume's standard deviation (docs/next_view.md). The score is the share of today's standard deviation that it removes.
+    """
+
+    pose_sigma: tuple[float, float]
+    """Standard deviation of a camera pose, metres and radians per axis."""
+    name: str = "model"
+
+    def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
+        """Return the expected outlook after each candidate."""
+        now = outlook(belief, tolerance)
+        return tuple(self._after(belief, candidate, now, tolerance) for candidate in candidates)
+
+    def _after(self, belief: Belief, candidate: Array, now: Outlook, tolerance: float) -> Assessment:
+        predictions = [predict(box, candidate, belief.sensor, belief.noise) for box in belief.boxes]
+        sigmas, chances = [], []
+        for box, prediction in zip(belief.boxes, predictions, strict=True):
+            to_box = inverse(box.box_to_camera)
+            precision = pose_precision(to_box @ candidate, to_box, self.pose_sigma)
+            added = Knowledge(*marginal(prediction.knowledge.information, prediction.knowledge.systematic, precision))
+            relative = relative_sigma(belief.knowledge.plus(added), box, belief.sensor)
+            sigmas.append(relative * box.volume)
+            chances.append(normal_within(0.0, relative, tolerance))
+        after = Outlook(float(np.sqrt(np.mean(np.square(sigmas)))), float(np.mean(chances)))
+        middle = predictions[len(predictions) // 2]
+        return Assessment(1 - after.volume_sigma / max(now.volume_sigma, 1e-12), after, middle)
+
+
+@dataclass(frozen=True, slots=True)
+class RandomPolicy:
+    """The floor of every comparison: a uniformly random candidate."""
+
+    rng: np.random.Generator
+    name: str = "random"
+
+    def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
+        """Return uniformly random scores."""
+        return tuple(Assessment(float(score), None, None) for score in self.rng.random(len(candidates)))

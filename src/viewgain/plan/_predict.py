@@ -1,0 +1,165 @@
+"""What a camera at a given pose would learn about a box: the expectation of the measuring likelihood's information.
+
+The same two kinds of evidence as in measuring (docs/next_view.md): every face in view is a cloud of range readings, every stretch
+of outline in front of a farther background is a row of pixels that hit or miss. Both are summed on a coarse grid, weighted by
+how many pixels each sample stands for, so a prediction takes about a millisecond.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array, Mask, Points, Pose
+from viewgain.box import (
+    FACES, FLOOR, PARAMETERS, PLANE_NORMALS, Box, EdgeDistances, Hits, box_hits, edge_distances, edge_jacobian, floor_hits,
+    outline, range_jacobian,
+)  # fmt: skip
+from viewgain.camera import Sensor
+from viewgain.geometry import inverse, transform
+from viewgain.measure import Knowledge, without_edge_bias
+
+EDGE_INFORMATION = 1.81
+"""Integral of phi^2 / (Phi (1 - Phi)): Fisher information about a probit edge, per pixel of edge length and unit softness."""
+EDGE_SOFTNESS = 0.5
+"""Blur of an outline in the sharpest fit, pixels."""
+UNMIXED = 0.7
+"""Share of the pixels on an outline that are not mixed of foreground and background, and so tell where it is."""
+MIN_FACE_PIXELS = 25
+"""A face counts as seen if at least this many returns are expected from it."""
+_FACE_SAMPLES = 6
+_EDGE_SAMPLES = 12
+_FLOOR_SAMPLES = 12
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """How a candidate camera would see one face."""
+
+    name: str
+    """Which face: +x, -x, +y, -y (box frame) or top."""
+    incidence: float
+    """Angle of incidence at the face's centre, radians."""
+    returns: float
+    """Expected number of returns."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction:
+    """What one candidate view is expected to show and to teach."""
+
+    knowledge: Knowledge
+    """Expected information and systematic gradient, box frame."""
+    sights: tuple[Sight, ...]
+    """Faces turned towards the camera."""
+    cut: bool
+    """Whether the outline would leave the image."""
+
+
+def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> Prediction:
+    """Return what ``sensor`` at a candidate pose would learn about ``box``.
+
+    Args:
+        box: The box as now believed, in the present camera's frame.
+        camera_to_current: (4, 4) candidate pose in the present camera's frame.
+        sensor: The camera.
+        noise: Its noise on this scene as a multiple of the data sheet's.
+
+    Returns:
+        Information zero and no faces where the box lies behind the camera or out of range.
+    """
+    seen = box.in_frame(inverse(camera_to_current))
+    information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
+    if np.any(seen.corners()[:, 2] < 0.05):
+        return Prediction(Knowledge(information, systematic), (), True)
+    sights = []
+    for face in range(FLOOR):
+        points, hits, weight = _face_samples(seen, face, sensor)
+        sights += [Sight(FACES[face], float(np.arccos(hits.cosine.mean())), float(weight.sum()))] if len(points) else []
+        _add_ranges(seen, points, hits, weight, sensor, noise, information, systematic)
+    _add_ranges(seen, *_floor_samples(seen, sensor), sensor, noise, information, systematic)
+    information += _edge_information(seen, sensor, noise)
+    u, v = sensor.intrinsics.project(seen.corners()).T
+    camera = sensor.intrinsics
+    cut = bool(np.any((u < 0) | (v < 0) | (u > camera.width - 1) | (v > camera.height - 1)))
+    return Prediction(Knowledge(information, systematic), tuple(sights), cut)
+
+
+def _add_ranges(
+    box: Box, rays: Points, hits: Hits, weight: Array, sensor: Sensor, noise: float, information: Array, systematic: Array
+) -> None:
+    """Add the evidence of range readings: J^T J / sigma^2, each sample standing for ``weight`` pixels."""
+    jacobian = range_jacobian(box, rays, hits)
+    precision = weight / (noise * sensor.range_sigma(hits.ranges, hits.cosine)) ** 2
+    information += (jacobian.T * precision) @ jacobian
+    systematic += (jacobian.T * precision) @ np.stack([hits.ranges, np.ones(len(rays))], axis=1)
+
+
+def _edge_information(box: Box, sensor: Sensor, noise: float) -> Array:
+    """Return the evidence of the outline: per pixel of its length, as far as box and background can be told apart there."""
+    shape = outline(box)
+    edges = np.repeat(np.arange(len(shape.vertices)), _EDGE_SAMPLES)
+    along = np.tile((np.arange(_EDGE_SAMPLES) + 0.5) / _EDGE_SAMPLES, len(shape.vertices))
+    start, end = shape.vertices[edges], np.roll(shape.vertices, -1, axis=0)[edges]
+    image = start + along[:, None] * (end - start)
+    length = np.linalg.norm(end - start, axis=1) / _EDGE_SAMPLES * sensor.intrinsics.fx
+    rays = _unit(image)
+    inward = _unit(image + 1e-4 * (shape.vertices.mean(axis=0) - image))
+    near, far = box_hits(box, inward), floor_hits(box, rays)
+    sigma = noise * sensor.range_sigma(np.minimum(near.ranges, 10.0), near.cosine)
+    with np.errstate(over="ignore"):
+        gap = np.clip((far.ranges - near.ranges) / sigma, 0.0, 50.0)
+    told_apart = (1 - np.exp(-(gap**2) / 8)) * _in_view(rays, near.ranges, sensor)
+    weight = UNMIXED * EDGE_INFORMATION / EDGE_SOFTNESS * length * told_apart
+    jacobian = edge_jacobian(box, shape, EdgeDistances(np.zeros(len(edges)), edges, along)) * sensor.intrinsics.fx
+    pull = (jacobian * weight[:, None]).reshape(-1, _EDGE_SAMPLES, PARAMETERS).sum(axis=1)
+    precision = weight.reshape(-1, _EDGE_SAMPLES).sum(axis=1)
+    return without_edge_bias((jacobian.T * weight) @ jacobian, pull, precision, sensor.edge_sd_px)
+
+
+def _face_samples(box: Box, face: int, sensor: Sensor) -> tuple[Points, Hits, Array]:
+    """Return rays to a grid on one face, where they hit it, and how many pixels each stands for; empty if it is turned away."""
+    normal = PLANE_NORMALS[face]
+    axes = np.flatnonzero(normal == 0)
+    cell = (np.arange(_FACE_SAMPLES) + 0.5) / _FACE_SAMPLES - 0.5
+    grid = np.zeros((_FACE_SAMPLES**2, 3))
+    grid[:, axes] = np.stack(np.meshgrid(cell, cell), axis=-1).reshape(-1, 2) * box.extents[axes]
+    grid += normal * box.extents / 2 + np.array([0.0, 0.0, box.extents[2] / 2])
+    points = transform(box.box_to_camera, grid)
+    ranges = np.linalg.norm(points, axis=1)
+    rays = points / ranges[:, None]
+    cosine = -rays @ (box.box_to_camera[:3, :3] @ normal)
+    area = float(np.prod(box.extents[axes])) / len(grid)
+    solid = area * np.maximum(cosine, 0.0) / ranges**2
+    pixels = solid * sensor.intrinsics.fx * sensor.intrinsics.fy / np.maximum(rays[:, 2], 0.1) ** 3
+    weight = pixels * (1 - sensor.loss(cosine)) * _in_view(rays, ranges, sensor)
+    used = (cosine > 0.02) & (weight > 0)
+    return rays[used], Hits(ranges[used], np.full(int(used.sum()), face, dtype=np.intp), cosine[used]), weight[used]
+
+
+def _floor_samples(box: Box, sensor: Sensor) -> tuple[Points, Hits, Array]:
+    """Return rays to the floor on a grid over the image around the box, and how many pixels each stands for."""
+    camera = sensor.intrinsics
+    centre = np.clip(camera.project(box.corners()), 0, (camera.width - 1, camera.height - 1))
+    low, high = np.maximum(centre.min(axis=0) - 16, 0), np.minimum(centre.max(axis=0) + 16, (camera.width - 1, camera.height - 1))
+    u, v = (np.linspace(low[k], high[k], _FLOOR_SAMPLES) for k in (0, 1))
+    pixels = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    image = camera.undistort((pixels - (camera.cx, camera.cy)) / (camera.fx, camera.fy))
+    rays = _unit(image)
+    hits = floor_hits(box, rays)
+    outside = edge_distances(outline(box), image).distance < 0
+    each = float(np.prod(high - low)) / len(rays)
+    weight = each * outside * (1 - sensor.loss(hits.cosine)) * (hits.ranges < sensor.range_max)
+    used = weight > 0
+    return rays[used], hits.take(np.flatnonzero(used)), weight[used]
+
+
+def _in_view(rays: Points, ranges: Array, sensor: Sensor) -> Mask:
+    camera = sensor.intrinsics
+    u, v = camera.project(np.where(rays[:, 2:] > 0.05, rays, [0.0, 0.0, 1.0])).T
+    inside = (u > 0) & (v > 0) & (u < camera.width - 1) & (v < camera.height - 1) & (rays[:, 2] > 0.05)
+    return np.asarray(inside & (ranges > sensor.range_min) & (ranges < sensor.range_max))
+
+
+def _unit(image: Array) -> Points:
+    rays = np.column_stack([image, np.ones(len(image))])
+    return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
