@@ -14,9 +14,6 @@ PRIOR_EXTENT = (0.02, 2.0)
 """The stated prior on a dimension is log-uniform between these, metres."""
 OPEN_SHARE = 0.15
 """A dimension whose standard deviation exceeds this share of it is open: the scan does not bound it like a measurement."""
-MODEL_ERROR = 1.0
-"""Variance of the estimate over what the curvature says, beyond correlated noise: side peaks of the edge likelihood and its
-simplified mixed pixels. Fitted once on simulated scans (`python -m benchmarks calibration`), never on boxbench or real ones."""
 Z90 = 1.6448536269514722
 """Half-width of a 90 % normal interval, in standard deviations."""
 LOOSE_PRIOR = np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0])
@@ -46,7 +43,7 @@ class Knowledge:
     systematic: Array
     """(9, 2) gradient caused by a unit scale error and a unit offset (metre) of all ranges."""
     inflation: float = 1.0
-    """Variance over what independent noise would give: correlated noise and model error."""
+    """Variance over what independent noise would give (:func:`correlation_factor`)."""
 
     def plus(self, other: "Knowledge") -> "Knowledge":
         """Return what both say together; one camera, so both share its systematic error."""
@@ -74,7 +71,7 @@ def knowledge(fit: Fit) -> Knowledge:
         information += added
         systematic += shared
     factors = [correlation_factor(e, v.pixels) for e, v in zip(fit.evaluations, fit.views, strict=True)]
-    return Knowledge(information, systematic, MODEL_ERROR * float(np.mean(factors)))
+    return Knowledge(information, systematic, float(np.mean(factors)))
 
 
 def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Array, edge_sd_px: float) -> Array:
