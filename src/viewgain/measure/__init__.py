@@ -7,6 +7,7 @@ from viewgain.measure._fuse import fuse_measurements as fuse_measurements
 from viewgain.measure._fuse import pose_precision as pose_precision
 from viewgain.measure._measure import measure as measure
 from viewgain.measure._measure import sensor_of as sensor_of
+from viewgain.measure._range_image import range_image as range_image
 from viewgain.measure._result import REASONS as REASONS
 from viewgain.measure._result import SCHEMA as SCHEMA
 from viewgain.measure._result import BoxEstimate as BoxEstimate

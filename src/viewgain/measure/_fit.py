@@ -11,7 +11,8 @@ import numpy as np
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, Box
 from viewgain.camera import Sensor
-from viewgain.measure._likelihood import Evaluation, Pixels, Softness, evaluate
+from viewgain.measure._likelihood import Evaluation, evaluate, log_likelihood
+from viewgain.measure._mixture import Pixels, Softness
 
 COARSE = (Softness(4.0, 0.02), Softness(2.0, 0.01))
 FINE = (Softness(1.0, 0.003), Softness(0.5))
@@ -106,24 +107,28 @@ def refine(box: Box, views: tuple[View, ...], schedule: tuple[Softness, ...], st
     return fit
 
 
-def polled(fit: Fit, softness: Softness, reach: float) -> Fit:
-    """Return the best of ``fit`` and the boxes that have one side face moved in or out by ``reach`` metres.
+def polled(fit: Fit, softness: Softness, reach: float) -> Box:
+    """Return the likeliest of the fitted box and the boxes with one side face moved in or out by ``reach`` metres.
 
     Which pixels hit is a step function underneath, so the likelihood has side peaks a few pixels from an edge; a fit that
     stopped on one is taken off it here, to be refined again.
     """
-    best = fit
+    boxes = [fit.box]
     for axis in (0, 1):
         for side in (-0.5, 0.5):
             for distance in (-reach, reach):
                 step = np.zeros(PARAMETERS)
                 step[3 + axis], step[6 + axis] = side * distance, distance
-                if fit.box.extents[axis] + distance < _MIN_EXTENT:
-                    continue
-                trial = _evaluated(fit.box.moved(step), fit.corrections, fit.views, softness)
-                if trial.value > best.value:
-                    best = trial
-    return best
+                boxes.append(fit.box.moved(step))
+    return max((box for box in boxes if np.all(box.extents >= _MIN_EXTENT)), key=lambda box: value_at(box, fit, softness))
+
+
+def value_at(box: Box, fit: Fit, softness: Softness) -> float:
+    """Return the log likelihood of the views of ``fit`` at another box, their pose corrections held."""
+    return sum(
+        log_likelihood(view.sees(box, correction), view.pixels, view.sensor, view.noise, softness)
+        for view, correction in zip(fit.views, fit.corrections, strict=True)
+    )
 
 
 def estimate_noise(fit: Fit) -> tuple[float, ...]:

@@ -108,12 +108,13 @@ def _fit(
     pixels = pixels_around(image, own, other)
     guesses = [start] if start is not None else hypotheses(image.points[own], floor)
     coarse = View(thinned(pixels, _COARSE_PIXELS), model, floor.noise)
-    rough = max((refine(guess, (coarse,), COARSE, 10) for guess in guesses), key=lambda fit: fit.value)
+    blurred = max((refine(guess, (coarse,), COARSE[:1], 6) for guess in guesses), key=lambda fit: fit.value)
+    rough = refine(blurred.box, (coarse,), COARSE, 6)
     view = View(edges_kept(pixels, rough.box, _FINE_PIXELS), model, noise_of(rough, noise_known=noise_known))
     fit = refine(rough.box, (view,), FINE, 6)
     moved = polled(fit, SHARP[0], _POLL_PX * image.pitch * float(np.linalg.norm(fit.box.centre)))
-    if moved is not fit:
-        fit = refine(moved.box, (view,), FINE, 6)
+    if moved is not fit.box:
+        fit = refine(moved, (view,), FINE, 6)
     final = View(edges_kept(pixels, fit.box, _FINAL_PIXELS), model, noise_of(fit, noise_known=noise_known))
     return refine(fit.box, (final,), SHARP, 3)
 
@@ -133,6 +134,8 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
     if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):
         return "not_a_box"
     estimate = with_uncertainty(fit, quality, touching=touching)
+    if {"open", "few_points"} <= set(estimate.flags):
+        return "too_few_points"
     unbounded = sum(estimate.is_open)
     if unbounded == 3 or (quality.cut and (unbounded == 2 or quality.faces_seen == 1 and unbounded)):
         return "cut_by_border"

@@ -5,7 +5,7 @@ from scipy import ndimage
 
 from viewgain.arrays import Indices, Mask
 from viewgain.box import Box, edge_distances, outline
-from viewgain.measure._likelihood import Pixels
+from viewgain.measure._mixture import Pixels
 from viewgain.measure._range_image import RangeImage
 
 MARGIN = 12

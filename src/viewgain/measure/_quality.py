@@ -6,7 +6,8 @@ import numpy as np
 
 from viewgain.arrays import Array, Mask
 from viewgain.box import FACES, FLOOR, PLANE_NORMALS, Box, outline
-from viewgain.measure._likelihood import Evaluation, Pixels
+from viewgain.measure._likelihood import Evaluation
+from viewgain.measure._mixture import Pixels
 from viewgain.measure._range_image import RangeImage
 
 CUT_MARGIN_PX = 1.0

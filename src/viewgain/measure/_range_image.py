@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from viewgain.arrays import Array, Image, Mask, Points, Points2
+from viewgain.arrays import Array, Image, Indices, Mask, Points, Points2
 from viewgain.camera import Intrinsics
 from viewgain.scans import Scan
 
@@ -68,40 +68,43 @@ class LensMap:
 
     def to_image(self, pixels: Points2) -> Points2:
         """Return the (n, 2) normalised image points of (n, 2) pixels."""
-        return np.asarray(_monomials(self._scaled(pixels)) @ self.forward)
+        return np.asarray(_monomials(_scaled(pixels, self.shape)) @ self.forward)
 
     def to_pixels(self, image: Points2) -> Points2:
         """Return the (n, 2) pixels of (n, 2) normalised image points."""
         height, width = self.shape
         return np.asarray((_monomials(image) @ self.backward + 1) / 2 * (width - 1, height - 1))
 
-    def _scaled(self, pixels: Points2) -> Points2:
+    def pinhole(self) -> Intrinsics:
+        """Return the pinhole camera that agrees with the lens at the centre of the image."""
         height, width = self.shape
-        return np.asarray(pixels) * 2.0 / (max(width - 1, 1), max(height - 1, 1)) - 1.0
+        cx, cy = (width - 1) / 2, (height - 1) / 2
+        right, left, below, above = self.to_image(np.array([[cx + 1, cy], [cx - 1, cy], [cx, cy + 1], [cx, cy - 1]]))
+        fx, fy = 2 / max(abs(right[0] - left[0]), 1e-6), 2 / max(abs(below[1] - above[1]), 1e-6)
+        return Intrinsics(width=width, height=height, fx=float(fx), fy=float(fy), cx=cx, cy=cy)
 
 
 def range_image(scan: Scan) -> RangeImage:
     """Return the working form of ``scan``; points behind the camera (z <= 0) are left out."""
-    if scan.shape is None:
+    if scan.shape is None or scan.pixels is None:
         return _from_cloud(scan.points)
     height, width = scan.shape
-    ranges = np.full(height * width, np.nan)
-    ranges[scan.pixels] = np.where(scan.points[:, 2] > 0, np.linalg.norm(scan.points, axis=1), np.nan)
-    lens = None if scan.intrinsics is not None else _fit_lens(scan)
+    ahead = scan.points[:, 2] > 0
+    own, at = scan.points[ahead], scan.pixels[ahead]
+    distance = np.linalg.norm(own, axis=1)
+    ranges, directions = np.full(height * width, np.nan), np.empty((height * width, 3))
+    ranges[at], directions[at] = distance, own / distance[:, None]
+    empty = np.flatnonzero(np.isnan(ranges))
+    pixels = np.stack(np.divmod(empty, width)[::-1], axis=1)
     if scan.intrinsics is not None:
-        image, camera = scan.intrinsics.rays(), scan.intrinsics
+        camera, lens = scan.intrinsics, None
+        directions[empty] = _unit(camera.rays().reshape(-1, 2)[empty])
     else:
-        assert lens is not None
-        u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
-        image = lens.to_image(np.column_stack([u.ravel(), v.ravel()])).reshape(height, width, 2)
-        camera = _pinhole_like(image)
-    directions = _unit(image.reshape(-1, 2))
-    measured = np.isfinite(ranges)
-    own = scan.points[measured[scan.pixels]]
-    directions[measured] = own / np.linalg.norm(own, axis=1, keepdims=True)
-    return RangeImage(
-        ranges.reshape(height, width), directions.reshape(height, width, 3), np.ones((height, width), dtype=bool), camera, lens, True
-    )
+        lens = _fit_lens(own, at, scan.shape)
+        camera = lens.pinhole()
+        directions[empty] = _unit(lens.to_image(pixels))
+    grid = (height, width)
+    return RangeImage(ranges.reshape(grid), directions.reshape(*grid, 3), np.ones(grid, dtype=bool), camera, lens, True)
 
 
 def _from_cloud(points: Points) -> RangeImage:
@@ -137,27 +140,19 @@ def _angular_pitch(image: Points2) -> float:
     return max(float(np.median(distance[:, -1])) * float(np.sqrt(np.pi / neighbours)), 1e-4)
 
 
-def _fit_lens(scan: Scan) -> LensMap:
-    assert scan.shape is not None
-    assert scan.pixels is not None
-    height, width = scan.shape
-    ahead = np.flatnonzero(scan.points[:, 2] > 0)
-    chosen = ahead[:: max(1, len(ahead) // 4000)]
-    image = scan.points[chosen, :2] / scan.points[chosen, 2:]
-    row, column = np.divmod(scan.pixels[chosen], width)
-    lens = LensMap(np.empty((0, 2)), np.empty((0, 2)), (height, width))
-    scaled = lens._scaled(np.column_stack([column, row]))
+def _fit_lens(points: Points, pixels: Indices, shape: tuple[int, int]) -> LensMap:
+    chosen = slice(None, None, max(1, len(points) // 4000))
+    image = points[chosen, :2] / points[chosen, 2:]
+    row, column = np.divmod(pixels[chosen], shape[1])
+    scaled = _scaled(np.column_stack([column, row]), shape)
     forward = np.linalg.lstsq(_monomials(scaled), image, rcond=1e-10)[0]
     backward = np.linalg.lstsq(_monomials(image), scaled, rcond=1e-10)[0]
-    return LensMap(forward, backward, (height, width))
+    return LensMap(forward, backward, shape)
 
 
-def _pinhole_like(image: Array) -> Intrinsics:
-    height, width = image.shape[:2]
-    row, column = height // 2, width // 2
-    fx = 1 / abs(float(np.median(np.diff(image[row, :, 0])))) if width > 1 else 1.0
-    fy = 1 / abs(float(np.median(np.diff(image[:, column, 1])))) if height > 1 else 1.0
-    return Intrinsics(width=width, height=height, fx=fx, fy=fy, cx=(width - 1) / 2, cy=(height - 1) / 2)
+def _scaled(pixels: Points2, shape: tuple[int, int]) -> Points2:
+    """Return pixel coordinates scaled to [-1, 1] over the image."""
+    return np.asarray(pixels) * 2.0 / (max(shape[1] - 1, 1), max(shape[0] - 1, 1)) - 1.0
 
 
 def _monomials(points: Points2) -> Array:

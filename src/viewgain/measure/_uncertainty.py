@@ -7,8 +7,9 @@ import numpy as np
 from viewgain.arrays import Array
 from viewgain.box import PARAMETERS, Box
 from viewgain.camera import Sensor
-from viewgain.measure._fit import SHARP, Fit, marginal
-from viewgain.measure._likelihood import Evaluation, Pixels, evaluate
+from viewgain.measure._fit import SHARP, Fit, marginal, value_at
+from viewgain.measure._likelihood import Evaluation
+from viewgain.measure._mixture import Pixels
 
 PRIOR_EXTENT = (0.02, 2.0)
 """The stated prior on a dimension is log-uniform between these, metres."""
@@ -138,7 +139,7 @@ def _profiled(axis: int, fit: Fit) -> Interval:
     ridge = spread[:, 6 + axis] / spread[6 + axis, 6 + axis]
     value = fit.box.extents[axis]
     grid = np.geomspace(*PRIOR_EXTENT, 90)
-    log_likelihood = np.array([_value_at(fit.box.moved(ridge * (length - value)), fit) for length in grid])
+    log_likelihood = np.array([_ridge_value(fit, fit.box.moved(ridge * (length - value))) for length in grid])
     log_likelihood -= log_likelihood.max()
     posterior = np.exp(log_likelihood)
     posterior /= posterior.sum()
@@ -151,10 +152,5 @@ def _profiled(axis: int, fit: Fit) -> Interval:
     return Interval(float(min(low, value - Z90 * step / 2)), float(max(high, value + Z90 * step / 2)), sigma)
 
 
-def _value_at(box: Box, fit: Fit) -> float:
-    if np.any(box.extents <= 0):
-        return -np.inf
-    return sum(
-        evaluate(view.sees(box, correction), view.pixels, view.sensor, view.noise, SHARP[0]).value
-        for view, correction in zip(fit.views, fit.corrections, strict=True)
-    )
+def _ridge_value(fit: Fit, box: Box) -> float:
+    return value_at(box, fit, SHARP[0]) if np.all(box.extents > 0) else -np.inf

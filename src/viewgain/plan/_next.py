@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Pose
+from viewgain.arrays import Array, Pose, Vector3
 from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
@@ -79,6 +79,10 @@ class NextView:
     """Relative volume error asked for."""
     confidence: float
     """Probability asked for."""
+    target: Vector3
+    """(3,) what the candidates look at, metres, present camera's frame; zeros if there are none."""
+    up: Vector3
+    """(3,) the floor's normal, present camera's frame; zeros if there is no floor."""
     reason: str | None
     """Why nothing can be planned: ``no_floor``, ``nothing_on_floor``, ``no_reachable_view``, or None."""
     objective: str = "volume"
@@ -142,8 +146,9 @@ def next_view(
     measured = _measured(current, camera, pose_sigma)
     believed = _belief(measured, sensor_of(camera))
     if believed is None:
+        nowhere = np.zeros(3)
         return NextView(
-            stations.name, decider.name, measured, (), None, False, None, tolerance, confidence, measured.reason, objective
+            stations.name, decider.name, measured, (), None, False, None, tolerance, confidence, nowhere, nowhere, measured.reason
         )
     poses = place(stations, believed.mean.centre, floor_pose(believed), measured.camera_to_world)
     assessments = decider.assess(believed, poses, tolerance)
@@ -155,8 +160,9 @@ def next_view(
     chance = outlook(believed, tolerance).within_tolerance
     stop = believed.bounded and chance > confidence
     reason = "no_reachable_view" if best is None else None
+    target, up = believed.mean.centre, believed.mean.floor.normal
     return NextView(
-        stations.name, decider.name, measured, candidates, best, stop, chance, tolerance, confidence, reason, objective
+        stations.name, decider.name, measured, candidates, best, stop, chance, tolerance, confidence, target, up, reason
     )
 
 

@@ -1,0 +1,53 @@
+"""Entry point: parse, run one command, and turn every expected error into one line and an exit code.
+
+Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason).
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+
+from viewgain.cli._commands import Demo, Measure, Next
+from viewgain.errors import ViewgainError
+
+BAD_INPUT = 2
+"""Exit code of bad input or usage."""
+_DESCRIPTION = """How big is the box, how sure are we, and where should the depth camera move next?
+
+  viewgain measure scan.ply             length, width, height and volume with error bars
+  viewgain next scan.ply --rig ring8    where to move the camera, and whether to stop
+  viewgain demo                         the whole loop on a simulated scene, with a report
+
+Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason)."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; never raises for bad input, and never prints a traceback for it.
+
+    Args:
+        argv: Arguments without the program's name; default the process's own.
+    """
+    import tyro
+
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        command = tyro.cli(Measure | Next | Demo, prog="viewgain", description=_DESCRIPTION, args=arguments or ["--help"])  # type: ignore[call-overload]
+    except SystemExit as exit_:
+        return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT
+    try:
+        return int(command.run())
+    except ViewgainError as error:
+        print_error(error)
+        return BAD_INPUT
+    except BrokenPipeError:
+        # The reader of our output has gone (a pager, head); what it wanted it has got.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        print("viewgain: interrupted", file=sys.stderr)
+        return 130
+
+
+def print_error(error: Exception) -> None:
+    """Print an expected error as one line on stderr."""
+    print(f"viewgain: error: {' '.join(str(error).split())}", file=sys.stderr)
