@@ -121,4 +121,7 @@ def _edge_terms(mixture: Mixture, near: Indices, blur: float) -> tuple[Array, Ar
     slope = on_box * hit - on_floor * missed
     complete = on_box * hit * (hit + x / blur) + on_floor * missed * (missed - x / blur)
     missing = on_box * on_floor / np.maximum(on_box + on_floor, 1e-300) * (hit + missed) ** 2
-    return slope, np.maximum(complete - missing, 0.0)
+    # A mixed pixel sits on the outline: its chance falls off as exp(-s^2 / 2), in pixels.
+    mixed, inside = mixture.on_both[near], mixture.inside[near]
+    slope += (mixture.could_mix[near] - mixed) * inside
+    return slope, np.maximum(complete - missing, 0.0) + mixed

@@ -11,7 +11,7 @@ from viewgain.measure._fit import COARSE, FINE, SHARP, Fit, View, estimate_noise
 from viewgain.measure._floor import Floor, find_floors
 from viewgain.measure._hypotheses import hypotheses
 from viewgain.measure._pixels import edges_kept, leftover, pixels_around, thinned
-from viewgain.measure._quality import Quality, assess, flags
+from viewgain.measure._quality import FEW_POINTS, Quality, assess, flags
 from viewgain.measure._range_image import RangeImage, range_image
 from viewgain.measure._result import BoxEstimate, Measurement, Rejected
 from viewgain.measure._segment import MIN_PIXELS, segment
@@ -24,6 +24,8 @@ MIN_HEIGHT = 0.02
 """Lower objects are told from the floor's own unevenness no longer, metres."""
 MAX_LEFTOVER = 0.8
 """If more than this share of an object lies outside the fitted box, the fit is wrong rather than the object two."""
+MIN_SHARE = 0.005
+"""A box that is cut or open must fill this share of the image; smaller ones are clutter more often than boxes."""
 _COARSE_PIXELS = 1200
 _FINE_PIXELS = 2000
 _FINAL_PIXELS = 12000
@@ -49,7 +51,7 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
         ConfigError: If ``camera`` names no preset.
     """
     image = range_image(scan)
-    model = replace(sensor_of(camera), intrinsics=image.intrinsics)
+    model = replace(sensor_of(camera), intrinsics=image.whole_camera())
     floors = find_floors(image if floor is None else range_image(floor), model)
     attempts = [_on_floor(image, candidate, model, noise_known=camera is not None) for candidate in floors]
     if not attempts:
@@ -134,7 +136,7 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
     if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):
         return "not_a_box"
     estimate = with_uncertainty(fit, quality, touching=touching)
-    if {"open", "few_points"} <= set(estimate.flags):
+    if {"open", "cut"} & set(estimate.flags) and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
         return "too_few_points"
     unbounded = sum(estimate.is_open)
     if unbounded == 3 or (quality.cut and (unbounded == 2 or quality.faces_seen == 1 and unbounded)):
@@ -146,7 +148,7 @@ def with_uncertainty(fit: Fit, quality: Quality, *, touching: bool) -> BoxEstima
     """Return the finished estimate of a fit: covariance, intervals, flags."""
     known = knowledge(fit)
     spread = known.covariance(fit.views[0].sensor)
-    x, y, z = (extent_interval(axis, fit, spread) for axis in range(3))
+    x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
 

@@ -29,6 +29,8 @@ LOST_FAR = (0.05, 0.90)
 """The same for the floor."""
 LOST_BEYOND = 0.9
 """Chance that the floor brings nothing back from beyond the farthest return of the scan."""
+HORIZON_BLUR = 0.03
+"""How gradually that sets in, as a share of the farthest range."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +103,11 @@ class Mixture:
     on_box: Array
     """(n,) probability that the pixel saw the box."""
     on_floor: Array
-    """(n,) probability that it saw what lies beside; the rest is mixed."""
+    """(n,) probability that it saw what lies beside."""
+    on_both: Array
+    """(n,) probability that it mixed the two."""
+    could_mix: Array
+    """(n,) what that probability would be had it reported what an unmixed pixel does."""
     value: float
     """Log likelihood of all pixels, up to a constant."""
 
@@ -120,9 +126,10 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     edges = edge_distances(shape, pixels.image)
     inside = edges.distance / pixels.pitch
     faces, ground = box_hits(box, pixels.directions), floor_hits(box, pixels.directions)
-    beyond = ground.ranges > pixels.horizon
+    beyond = ndtr((np.minimum(ground.ranges, 1e3) / pixels.horizon - 1) / HORIZON_BLUR)
     lost_near = LOST_NEAR[0] + LOST_NEAR[1] * sensor.loss(faces.cosine)
-    lost_far = np.where(beyond, LOST_BEYOND, LOST_FAR[0] + LOST_FAR[1] * sensor.loss(ground.cosine))
+    lost_floor = LOST_FAR[0] + LOST_FAR[1] * sensor.loss(ground.cosine)
+    lost_far = lost_floor + beyond * np.maximum(LOST_BEYOND - lost_floor, 0.0)
     near = _surface(pixels, faces, sensor, noise, softness, lost_near, STRAY)
     far = _surface(pixels, ground, sensor, noise, softness, lost_far, CLUTTER)
     near, far = _with_other_objects(pixels, near, far)
@@ -130,11 +137,11 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     seen, unseen = ndtr(inside / softness.edge), ndtr(-inside / softness.edge)
     mixing = FLYING * np.exp(-0.5 * inside**2)
     pure = seen * near.density + unseen * far.density
-    total = np.maximum((1 - mixing) * pure + mixing * _mixed_density(pixels, near, far), 1e-12)
+    mixed = _mixed_density(pixels, near, far)
+    total = np.maximum((1 - mixing) * pure + mixing * mixed, 1e-12)
     share = (1 - mixing) / total
-    return Mixture(
-        near, far, shape, edges, inside, share * seen * near.density, share * unseen * far.density, float(np.sum(np.log(total)))
-    )
+    on_box, on_floor = share * seen * near.density, share * unseen * far.density
+    return Mixture(near, far, shape, edges, inside, on_box, on_floor, mixing * mixed / total, mixing * pure / total, float(np.sum(np.log(total))))
 
 
 def _surface(
@@ -164,10 +171,9 @@ def _with_other_objects(pixels: Pixels, near: Surface, far: Surface) -> tuple[Su
 
 
 def _mixed_density(pixels: Pixels, near: Surface, far: Surface) -> Array:
-    """Return the (n,) density of a mixed pixel: uniform between the two surfaces with a margin; an even chance of nothing."""
-    first, second = near.hits.ranges, far.hits.ranges
-    low, high = np.minimum(first, second) - 2 * near.sigma, np.minimum(np.maximum(first, second), SPAN) + 2 * near.sigma
-    with np.errstate(invalid="ignore"):
-        between = (pixels.ranges > low) & (pixels.ranges < high)
-    density = np.where(between, 1 / np.maximum(high - low, 1e-6), 0.05 / SPAN)
+    """Return the (n,) density of a mixed pixel: uniform between the two surfaces, blurred by the noise; an even chance of nothing."""
+    low = np.minimum(near.hits.ranges, far.hits.ranges)
+    high = np.clip(np.maximum(near.hits.ranges, far.hits.ranges), low, np.maximum(low, SPAN))
+    between = ndtr((pixels.ranges - low) / near.sigma) * ndtr((high - pixels.ranges) / near.sigma)
+    density = between / np.maximum(high - low, 2 * near.sigma) + 0.05 / SPAN
     return np.where(np.isnan(pixels.ranges), 0.5, density)

@@ -4,7 +4,7 @@ An organised scan keeps its own grid. An unorganised cloud is still a camera's, 
 grid of its own angular pitch; each keeps its exact direction, and empty cells are unknown, not missing.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -47,6 +47,20 @@ class RangeImage:
     def pitch(self) -> float:
         """Size of a pixel in normalised image coordinates."""
         return 2.0 / (self.intrinsics.fx + self.intrinsics.fy)
+
+    def whole_camera(self) -> Intrinsics:
+        """Return the camera that took the scan, as far as it shows.
+
+        An unorganised cloud may be a crop: its camera is taken to see as far to the left as to the right of the optical axis,
+        and as far up as down.
+        """
+        if self.organised:
+            return self.intrinsics
+        camera = self.intrinsics
+        half_width = max(camera.cx, camera.width - 1 - camera.cx)
+        half_height = max(camera.cy, camera.height - 1 - camera.cy)
+        width, height = round(2 * half_width) + 1, round(2 * half_height) + 1
+        return replace(camera, width=width, height=height, cx=(width - 1) / 2, cy=(height - 1) / 2)
 
     def to_pixels(self, image: Points2) -> Points2:
         """Return the (n, 2) pixel coordinates (u, v) of (n, 2) normalised image points."""

@@ -113,44 +113,61 @@ def correlation_factor(evaluation: Evaluation, pixels: Pixels) -> float:
     return float(max(1.0, np.mean(mean[full] ** 2 * count[full])))
 
 
-def extent_interval(axis: int, fit: Fit, spread: Array) -> Interval:
+def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut: bool) -> Interval:
     """Return the 90 % interval of one extent: Gaussian where the scan bounds it, else from likelihood profile and prior.
 
     Args:
         axis: Which extent, 0 to 2.
         fit: The fitted box.
+        known: What its views say.
         spread: Its (9, 9) covariance.
+        cut: Whether the box leaves the image. The curvature then tells only that an edge is no nearer than the border, so it
+            is believed only if the likelihood falls on the far side too.
     """
     value = float(fit.box.extents[axis])
     sigma = float(np.sqrt(spread[6 + axis, 6 + axis]))
-    if sigma < OPEN_SHARE * value:
+    ridge = _Ridge(axis, fit, known)
+    if sigma < OPEN_SHARE * value and not (cut and ridge.is_flat_beyond()):
         return Interval(value - Z90 * sigma, value + Z90 * sigma, sigma)
-    return _profiled(axis, fit)
+    return _profiled(ridge)
 
 
-def _profiled(axis: int, fit: Fit) -> Interval:
-    """Return the interval of an extent that the scan leaves open, by moving it along its own ridge of the likelihood.
+class _Ridge:
+    """The ridge of the likelihood along one extent: how the other parameters follow when it grows.
 
-    The ridge is the direction in which the other parameters follow when the extent grows (the seen face stays, the unseen one
-    moves off). Posterior: profile likelihood times the log-uniform prior; the upper end is open where the likelihood never
-    falls by more than two units.
+    The seen face stays where it is and the unseen one moves off.
     """
-    spread = np.linalg.inv(knowledge(fit).information + LOOSE_PRIOR)
-    ridge = spread[:, 6 + axis] / spread[6 + axis, 6 + axis]
-    value = fit.box.extents[axis]
+
+    def __init__(self, axis: int, fit: Fit, known: Knowledge) -> None:
+        spread = np.linalg.inv(known.information + LOOSE_PRIOR)
+        self.fit, self.value = fit, float(fit.box.extents[axis])
+        self.sigma = float(np.sqrt(spread[6 + axis, 6 + axis]))
+        self._direction = spread[:, 6 + axis] / spread[6 + axis, 6 + axis]
+
+    def log_likelihood(self, length: float) -> float:
+        """Return the log likelihood where the extent has that length; minus infinity for an impossible box."""
+        box = self.fit.box.moved(self._direction * (length - self.value))
+        return value_at(box, self.fit, SHARP[0]) if np.all(box.extents > 0) else -np.inf
+
+    def is_flat_beyond(self) -> bool:
+        """Return whether the likelihood, four sigma further out, falls by under a quarter of what a Gaussian would."""
+        return self.log_likelihood(self.value) - self.log_likelihood(self.value + 4 * self.sigma) < 2.0
+
+
+def _profiled(ridge: _Ridge) -> Interval:
+    """Return the interval of an extent that the scan leaves open, from profile likelihood times the log-uniform prior.
+
+    The upper end is open where the likelihood never falls by more than two units up to the prior's end.
+    """
     grid = np.geomspace(*PRIOR_EXTENT, 90)
-    log_likelihood = np.array([_ridge_value(fit, fit.box.moved(ridge * (length - value))) for length in grid])
+    log_likelihood = np.array([ridge.log_likelihood(length) for length in grid])
     log_likelihood -= log_likelihood.max()
     posterior = np.exp(log_likelihood)
     posterior /= posterior.sum()
     low, high = np.interp([0.05, 0.95], np.cumsum(posterior), grid)
     if log_likelihood[-1] > -2.0:
-        return Interval(float(min(low, value)), np.inf, np.nan)
-    mean = float(posterior @ grid)
-    step = value * (grid[1] / grid[0] - 1)
+        return Interval(float(min(low, ridge.value)), np.inf, np.nan)
+    mean, step = float(posterior @ grid), ridge.value * (grid[1] / grid[0] - 1)
     sigma = float(np.sqrt(posterior @ (grid - mean) ** 2 + step**2 / 12))
-    return Interval(float(min(low, value - Z90 * step / 2)), float(max(high, value + Z90 * step / 2)), sigma)
-
-
-def _ridge_value(fit: Fit, box: Box) -> float:
-    return value_at(box, fit, SHARP[0]) if np.all(box.extents > 0) else -np.inf
+    margin = Z90 * step / 2
+    return Interval(float(min(low, ridge.value - margin)), float(max(high, ridge.value + margin)), sigma)

@@ -13,19 +13,21 @@ from viewgain.box import CORNERS, Box
 from viewgain.measure import Measurement, Rejected, range_image
 from viewgain.measure._range_image import RangeImage
 from viewgain.report._style import (
-    FIT, HIDDEN_DASHES, INK, MISSING, SMALL, TRUE_DASHES, TRUTH, colour_bar, halo, legend_below, line_halo, new_figure, plain_axes,
-    range_colours, title,
+    FIT, HIDDEN_DASHES, INK, MISSING, SMALL, colour_bar, fit_height, halo, legend_below, line_halo, new_figure, plain_axes,
+    range_colours, title, true_line,
 )  # fmt: skip
-from viewgain.report._wire import edges, face_labels, facing_camera, open_edges, reported_box
+from viewgain.report._wire import edges, faces, facing_camera, open_edges, reported_box, room
+from viewgain.report._words import reason_in_words
 from viewgain.scans import Scan
 
 MARGIN = 0.12
 """Share of the image that is shown beyond its border where a box goes on there."""
 _NEAR = 0.05
 _SAMPLES = 24
+_LABEL_ROOM = 0.02
 
 
-def range_figure(scan: Scan, measurement: Measurement, *, truth: Box | None = None, heading: str = "Range image") -> Figure:
+def range_figure(scan: Scan, measurement: Measurement, *, truth: Box | None = None, heading: str = "Range image", sizes: bool = False) -> Figure:
     """Return the picture of a scan's ranges with the boxes of ``measurement`` over it.
 
     Args:
@@ -33,19 +35,20 @@ def range_figure(scan: Scan, measurement: Measurement, *, truth: Box | None = No
         measurement: What was measured, in the frame of this scan's camera.
         truth: The true box in the same frame, where it is known.
         heading: First words of the title.
+        sizes: Whether to write the dimensions under the title.
     """
     image = range_image(scan)
-    height, width = image.ranges.shape
-    figure = new_figure(5.4, 1.15 + 4.3 * min(height / width, 1.2))
+    figure = new_figure()
     axes = figure.add_subplot()
-    _draw_ranges(figure, axes, image, heading)
+    details = _sizes(measurement) if sizes else ()
+    _draw_ranges(figure, axes, image, heading, details)
     handles: list[Line2D | Patch] = []
     for index, estimate in enumerate(measurement.boxes):
         _draw_box(axes, image, reported_box(estimate), first=index == 0)
         for line in open_edges(estimate):
             _draw_line(axes, image, line, color=FIT, linewidth=1.0, linestyle=":", path_effects=line_halo(2.4))
     if measurement.boxes:
-        handles += [_key("fitted box", color=FIT, linewidth=1.6), _key("its hidden edges", color=FIT, linewidth=1.0, linestyle=HIDDEN_DASHES)]  # fmt: skip
+        handles += [_key("fitted box", color=FIT, linewidth=2.2), _key("its hidden edges", color=FIT, linewidth=1.1, linestyle=HIDDEN_DASHES)]  # fmt: skip
     if any(any(estimate.is_open) for estimate in measurement.boxes):
         handles.append(_key("may go on", color=FIT, linewidth=1.0, linestyle=":"))
     for blob in measurement.rejected:
@@ -54,10 +57,11 @@ def range_figure(scan: Scan, measurement: Measurement, *, truth: Box | None = No
         handles.append(_key("object that is not measured", color=INK, linewidth=0.9, linestyle="-."))
     if truth is not None:
         _draw_truth(axes, image, truth)
-        handles.append(_key("true box", color=TRUTH, linewidth=0.8, linestyle=TRUE_DASHES))
+        handles.append(_key("true box", **true_line()))
     handles.append(Patch(color=MISSING, label="no return"))
     legend_below(figure, handles, len(handles))
     _show_all(axes, image, [reported_box(estimate) for estimate in measurement.boxes])
+    fit_height(figure, axes, len(details))
     return figure
 
 
@@ -73,31 +77,47 @@ def to_image(image: RangeImage, points: Points) -> Points2:
     return pixels
 
 
-def _draw_ranges(figure: Figure, axes: Axes, image: RangeImage, heading: str) -> None:
+def _draw_ranges(figure: Figure, axes: Axes, image: RangeImage, heading: str, details: Sequence[str]) -> None:
     height, width = image.ranges.shape
     low, high = np.nanpercentile(image.ranges, [0.5, 99.5])
     picture = axes.imshow(image.ranges, cmap=range_colours(), vmin=low, vmax=max(high, low + 0.01), interpolation="nearest")
     axes.add_patch(Rectangle((-0.5, -0.5), width, height, fill=False, edgecolor=INK, linewidth=0.6))
     share = float(np.mean(image.valid))
-    title(axes, f"{heading}: {share:.0%} of {width} × {height} pixels returned" if image.organised else f"{heading}: {image.valid.sum():,} points")
+    text = f"{share:.0%} of {width} × {height} pixels returned" if image.organised else f"{image.valid.sum():,} points"
+    title(axes, f"{heading}: {text}", details)
     unit = "pixels" if image.organised else "cells of the point cloud's own pitch"
     plain_axes(axes, f"column, {unit}", f"row, {unit}")
     colour_bar(figure, picture, axes, "range, metres")
 
 
+def _sizes(measurement: Measurement) -> tuple[str, ...]:
+    """Return the dimensions of every measured box with their standard deviations, or why there is none."""
+    if not measurement.boxes:
+        return (f"no box: {reason_in_words(measurement.reason)}",)
+    lines = []
+    for number, estimate in enumerate(measurement.boxes, start=1):
+        sides = zip(estimate.dimensions, estimate.sigma, estimate.basis, strict=True)
+        text = " × ".join(f"≥ {1000 * value:.0f}" if basis == "open" or sigma is None else f"{1000 * value:.1f} ± {1000 * sigma:.1f}" for value, sigma, basis in sides)
+        lines.append(f"box {number}: {text} mm")
+    return tuple(lines)
+
+
 def _draw_box(axes: Axes, image: RangeImage, box: Box, *, first: bool) -> None:
     facing = facing_camera(box)
     for edge in edges(box, facing):
-        width, dashes = (0.9, HIDDEN_DASHES) if edge.hidden else (1.6, "-")
-        _draw_line(axes, image, edge.ends, color=FIT, linewidth=width, linestyle=dashes, path_effects=line_halo(width + 1.4), zorder=3 - edge.hidden)
-    labels = face_labels(box, facing) if first else []
-    for (name, _), (u, v) in zip(labels, to_image(image, np.array([centre for _, centre in labels]).reshape(-1, 3)), strict=True):
-        axes.text(u, v, name, ha="center", va="center", fontsize=SMALL, color=INK, path_effects=halo(), clip_on=True, zorder=5)
+        if edge.hidden:
+            _draw_line(axes, image, edge.ends, color=FIT, linewidth=1.1, linestyle=HIDDEN_DASHES, zorder=2)
+        else:
+            _draw_line(axes, image, edge.ends, color=FIT, linewidth=2.2, path_effects=line_halo(3.2), zorder=3)
+    for name, face in faces(box, facing).items() if first else ():
+        pixels = to_image(image, face)
+        if room(pixels) > _LABEL_ROOM * image.ranges.shape[1]:
+            axes.text(*pixels[0], name, ha="center", va="center", fontsize=SMALL, color=INK, path_effects=halo(), clip_on=True, zorder=5)
 
 
 def _draw_truth(axes: Axes, image: RangeImage, truth: Box) -> None:
     for edge in edges(truth, facing_camera(truth)):
-        _draw_line(axes, image, edge.ends, color=TRUTH, linewidth=0.8, linestyle=TRUE_DASHES, zorder=4)
+        _draw_line(axes, image, edge.ends, **true_line(), zorder=4)
 
 
 def _draw_blob(axes: Axes, image: RangeImage, blob: Rejected) -> None:

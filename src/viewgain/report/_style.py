@@ -4,20 +4,23 @@ Figures are made without pyplot and without global settings, so drawing changes 
 """
 
 import io
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from matplotlib.patheffects import AbstractPathEffect, Stroke, withStroke
 from matplotlib.patheffects import Normal as Plain
+from PIL import Image as Pillow
 
 FIT = "#d55e00"
 """The fitted box (vermilion of Okabe and Ito's set, as the next ones)."""
-TRUTH = "#000000"
-"""The true box."""
+TRUTH = "#ffffff"
+"""The true box: white dashes with a black rim, which show on every ground."""
 ON_BOX = "#0072b2"
 """Returns on the box."""
 ON_FLOOR = "#b4b8bd"
@@ -31,23 +34,48 @@ GRID = "#dfe3e8"
 MISSING = "#e3e5e8"
 """Pixels without a return."""
 SMALL, NORMAL, LARGE = 7.0, 8.0, 9.5
-"""Font sizes, points, in figures that are shown about 5.4 inches wide."""
+"""Font sizes, points, in figures of that width."""
+WIDTH = 5.4
+"""Of a figure, inches."""
 DOTS_PER_INCH = 200
-TRUE_DASHES = (0, (3.2, 2.2))
-HIDDEN_DASHES = (0, (1.6, 1.6))
+HIDDEN_DASHES = (0, (1.8, 1.5))
+"""Edges of the fitted box that it hides itself."""
 
 
-def new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float = WIDTH, height: float = 4.0) -> Figure:
     """Return an empty figure, inches, with an Agg canvas of its own."""
     figure = Figure(figsize=(width, height), dpi=DOTS_PER_INCH, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 
 
+def fit_height(figure: Figure, axes: Axes, details: int = 0) -> None:
+    """Give a figure whose axes have equal scales, a colour bar, ``details`` lines under the title and a legend the height it needs."""
+    width, height = (abs(high - low) for low, high in (axes.get_xlim(), axes.get_ylim()))
+    legends = max((len(legend.get_texts()) / getattr(legend, "_ncols", 1) for legend in figure.legends), default=0)
+    names = 0.4 if axes.axison else 0.0
+    figure.set_figheight(0.46 + 0.153 * details + names + 0.17 * np.ceil(legends) + 0.1 + (4.1 if axes.axison else 4.35) * min(height / width, 1.25))
+
+
 def to_png(figure: Figure) -> bytes:
     """Return the figure as a PNG file."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png")
+    return buffer.getvalue()
+
+
+def side_by_side(pngs: Sequence[bytes]) -> bytes:
+    """Return PNG pictures beside each other in one, on white, tops in line."""
+    if len(pngs) == 1:
+        return pngs[0]
+    pictures = [Pillow.open(io.BytesIO(png)).convert("RGB") for png in pngs]
+    sheet = Pillow.new("RGB", (sum(p.width for p in pictures), max(p.height for p in pictures)), "white")
+    left = 0
+    for picture in pictures:
+        sheet.paste(picture, (left, 0))
+        left += picture.width
+    buffer = io.BytesIO()
+    sheet.save(buffer, format="PNG")
     return buffer.getvalue()
 
 
@@ -71,6 +99,12 @@ def line_halo(width: float, colour: str = "white") -> list[AbstractPathEffect]:
     return [Stroke(linewidth=width, foreground=colour), Plain()]
 
 
+def true_line() -> dict[str, Any]:
+    """Return how the edges of the true box are drawn."""
+    dashes = (0, (2.6, 2.4))
+    return {"color": TRUTH, "linewidth": 0.8, "linestyle": dashes, "path_effects": line_halo(1.7, "black"), "dash_capstyle": "butt"}
+
+
 def plain_axes(axes: Axes, x_label: str, y_label: str) -> None:
     """Give axes labels, small ticks and a light frame."""
     axes.set_xlabel(x_label, fontsize=NORMAL, color=FAINT)
@@ -80,14 +114,21 @@ def plain_axes(axes: Axes, x_label: str, y_label: str) -> None:
         spine.set(color=FAINT, linewidth=0.6)
 
 
-def title(axes: Axes, text: str) -> None:
-    """Write the one line that says what the picture shows."""
-    axes.set_title(text, loc="left", fontsize=LARGE, fontweight="bold", color=INK, pad=7)
+def percent(share: float) -> str:
+    """Return a share as a percentage with as many digits as it needs: 3.5 %."""
+    return f"{round(100 * share, 2):g} %".replace("-", "−")
+
+
+def title(axes: Axes, text: str, details: Sequence[str] = ()) -> None:
+    """Write the line that says what the picture shows, and any lines of detail under it."""
+    axes.set_title(text, loc="left", fontsize=LARGE, fontweight="bold", color=INK, pad=7 + 11 * len(details))
+    for index, line in enumerate(reversed(details)):
+        axes.annotate(line, (0, 1), (0, 5 + 11 * index), xycoords="axes fraction", textcoords="offset points", fontsize=NORMAL, color=INK)
 
 
 def colour_bar(figure: Figure, mappable: Any, axes: Axes, label: str, **settings: Any) -> Any:
-    """Add a colour bar beside ``axes`` and return it."""
-    bar = figure.colorbar(mappable, ax=axes, fraction=0.045, pad=0.02, aspect=26, **settings)
+    """Add a colour bar as high as ``axes`` beside it and return it."""
+    bar = figure.colorbar(mappable, cax=axes.inset_axes((1.025, 0.0, 0.032, 1.0)), **settings)
     bar.set_label(label, fontsize=NORMAL, color=FAINT)
     bar.ax.tick_params(labelsize=SMALL, colors=FAINT, length=2.5, width=0.6)
     bar.outline.set(linewidth=0)

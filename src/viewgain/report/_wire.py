@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Mask, Points, Vector3
+from viewgain.arrays import Mask, Points, Points2, Vector3
 from viewgain.box import CORNERS, FACES, PLANE_NORMALS, Box
 from viewgain.geometry import pose, transform
 from viewgain.measure import LOOSE_PRIOR, BoxEstimate
@@ -53,10 +53,21 @@ def edges(box: Box, facing: Mask) -> tuple[Edge, ...]:
     return tuple(found)
 
 
-def face_labels(box: Box, facing: Mask) -> list[tuple[str, Vector3]]:
-    """Return the name and the centre of every named face that is turned towards the viewer."""
-    centres = transform(box.box_to_camera, _centres(box))
-    return [(label, centres[index]) for index, label in enumerate(LABELS) if facing[index]]
+def faces(box: Box, facing: Mask) -> dict[str, Points]:
+    """Return every named face that is turned towards the viewer: its centre and then its four corners in turn, (5, 3)."""
+    corners, centres = box.corners(), transform(box.box_to_camera, _centres(box))
+    found = {}
+    for index in np.flatnonzero(facing[: len(LABELS)]):
+        own = np.flatnonzero(np.abs((CORNERS - (0, 0, 0.5)) @ NORMALS[index] - 0.5) < 0.1)
+        found[LABELS[index]] = np.vstack([centres[index], corners[own[[0, 1, 3, 2]]]])
+    return found
+
+
+def room(face: Points2) -> float:
+    """Return how far the centre of a face is from its sides in a picture, where ``face`` (5, 2) is centre and corners."""
+    start, end = face[1:] - face[0], np.roll(face[1:], -1, axis=0) - face[0]
+    side = end - start
+    return float(np.min(np.abs(start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / np.maximum(np.linalg.norm(side, axis=1), 1e-9)))
 
 
 def reported_box(estimate: BoxEstimate) -> Box:

@@ -1,0 +1,26 @@
+"""Run the benchmarks: all of them, or those that are named."""
+
+import argparse
+
+from benchmarks import accuracy, calibration, closed_loop, real
+
+BENCHMARKS = {"accuracy": accuracy.run, "closed-loop": closed_loop.run, "real": real.run, "calibration": calibration.run}
+
+
+def main() -> None:
+    """Parse the names and run them in order."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(BENCHMARKS)}; default all")
+    parser.add_argument("--scenes", type=int, default=200, help="scenes of closed-loop and calibration (default 200)")
+    parser.add_argument("--workers", type=int, default=2, help="processes for closed-loop and calibration (default 2)")
+    parser.add_argument("--oracle", action="store_true", help="closed-loop: also the best of the eight views, by the truth (slow)")
+    options = parser.parse_args()
+    unknown = set(options.names) - set(BENCHMARKS)
+    if unknown:
+        parser.error(f"unknown benchmark {sorted(unknown)}; choose from {', '.join(BENCHMARKS)}")
+    for name in options.names or BENCHMARKS:
+        BENCHMARKS[name](options)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,6 @@
+"""Reports of closed loops and pictures of scans: needs the extra ``report`` (matplotlib and jinja2), and only when called."""
+
+from viewgain.report._report import draw_scan as draw_scan
+from viewgain.report._report import draw_scene as draw_scene
+from viewgain.report._report import save_scan_picture as save_scan_picture
+from viewgain.report._report import write_report as write_report

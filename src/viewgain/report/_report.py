@@ -1,0 +1,152 @@
+"""What this room offers. Drawing and page writing are imported when they are called, so importing the room costs nothing."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from viewgain.arrays import Pose
+from viewgain.box import Box
+from viewgain.episodes import Episode
+from viewgain.errors import ConfigError
+from viewgain.geometry import inverse
+from viewgain.measure import Measurement
+from viewgain.plan import NextView
+from viewgain.report._extra import require_extra
+from viewgain.report._files import make_folder, to_json, write_whole
+from viewgain.report._numbers import numbers
+from viewgain.report._truth import compared, true_dimensions
+from viewgain.report._units import MILLIMETRES, volume_unit
+from viewgain.scans import Scan
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def write_report(episode: Episode, folder: Path) -> Path:
+    """Write a report of a closed loop: pictures, ``numbers.json`` and ``index.html``, which holds all pictures and needs no network.
+
+    Files are written one by one, each whole or not at all, the page last; older files of the same names are replaced.
+
+    Args:
+        episode: The run.
+        folder: Where to; created if it is missing.
+
+    Returns:
+        The path of ``index.html``.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If the folder cannot be written.
+    """
+    require_extra()
+    from viewgain.report._page import render_page
+
+    folder = Path(folder)
+    make_folder(folder)
+    content = to_json(numbers(episode))
+    pngs = _pictures(episode)
+    for name, png in pngs.items():
+        write_whole(folder / name, png)
+    write_whole(folder / "numbers.json", content)
+    write_whole(folder / "index.html", render_page(episode, pngs))
+    return folder / "index.html"
+
+
+def save_scan_picture(scan: Scan, measurement: Measurement, path: Path, next_view: NextView | None = None) -> Path:
+    """Save the picture of one scan with what was measured in it and, beside it, the candidate cameras of ``next_view``.
+
+    Args:
+        scan: The scan; an unorganised cloud is drawn on a grid of its own angular pitch.
+        measurement: What was measured, in the frame of this scan's camera.
+        path: A .png file; one that exists is replaced.
+        next_view: The ranking made after it.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If ``path`` is no .png file or cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise ConfigError(f"{path}: cannot draw '{path.suffix}' files; give a file name that ends in .png")
+    require_extra()
+    from viewgain.report._style import side_by_side, to_png
+
+    figures = [draw_scan(scan, measurement, sizes=True)]
+    if next_view is not None:
+        figures.append(draw_scene(scan, measurement, next_view, heading="Where next?"))
+    write_whole(path, side_by_side([to_png(figure) for figure in figures]))
+    return path
+
+
+def draw_scan(
+    scan: Scan, measurement: Measurement, *, truth: Box | None = None, heading: str = "Range image", sizes: bool = False
+) -> "Figure":
+    """Return the picture of a scan's ranges with the measured boxes over it.
+
+    Args:
+        scan: The scan; an unorganised cloud is drawn on a grid of its own angular pitch.
+        measurement: What was measured, in the frame of this scan's camera.
+        truth: The true box in the same frame, where it is known.
+        heading: First words of the title.
+        sizes: Whether to write the dimensions under the title.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+    """
+    require_extra()
+    from viewgain.report._range_picture import range_figure
+
+    return range_figure(scan, measurement, truth=truth, heading=heading, sizes=sizes)
+
+
+def draw_scene(
+    scan: Scan,
+    measurement: Measurement,
+    next_view: NextView | None = None,
+    *,
+    truth: Box | None = None,
+    earlier: Sequence[Pose] = (),
+    heading: str = "In space",
+) -> "Figure":
+    """Return the picture of a scan in space with the measured boxes and, after planning, the candidate cameras.
+
+    Args:
+        scan: The scan.
+        measurement: What was measured, in the frame of this scan's camera.
+        next_view: The ranking made after it.
+        truth: The true box in the world, where it is known.
+        earlier: (4, 4) poses ``camera_to_world`` of the views before this one.
+        heading: Title.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+    """
+    require_extra()
+    from viewgain.report._scene_picture import scene_figure
+
+    return scene_figure(scan, measurement, next_view, truth=truth, earlier=earlier, heading=heading)
+
+
+def _pictures(episode: Episode) -> dict[str, bytes]:
+    """Return name and content of every picture of an episode; all views in space are seen from one place."""
+    from viewgain.report._dimensions_picture import dimensions_figure
+    from viewgain.report._range_picture import range_figure
+    from viewgain.report._scene_picture import scene_figure, viewpoint
+    from viewgain.report._style import to_png
+
+    truth, steps = episode.world.box, episode.steps
+    view = viewpoint(steps[0].fused, steps[0].plan)
+    rows = [compared(step.fused, truth) for step in steps]
+    truths, units = [*true_dimensions(truth), truth.volume], [*[MILLIMETRES] * 3, volume_unit(truth.volume)]
+    pngs = {"dimensions.png": to_png(dimensions_figure(rows, truths, units))}
+    for number, step in enumerate(steps, start=1):
+        name, own = f"view{number}", truth.in_frame(inverse(step.fused.world))
+        earlier = [before.fused.world for before in steps[: number - 1]]
+        pngs[f"{name}_range.png"] = to_png(range_figure(step.scan, step.fused, truth=own, heading=f"View {number}"))
+        pngs[f"{name}_scene.png"] = to_png(
+            scene_figure(step.scan, step.fused, step.plan, truth=truth, earlier=earlier, view=view, heading=f"View {number}: where next?")
+        )
+    return pngs
