@@ -13,7 +13,9 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(BENCHMARKS)}; default all")
     parser.add_argument("--scenes", type=int, default=200, help="scenes of closed-loop and calibration (default 200)")
     parser.add_argument("--workers", type=int, default=2, help="processes for closed-loop and calibration (default 2)")
-    parser.add_argument("--oracle", action="store_true", help="closed-loop: also the best of the eight views, by the truth (slow)")
+    parser.add_argument(
+        "--oracle", action="store_true", help="closed-loop: also the best of the eight views, by the truth (slow)"
+    )
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)
     if unknown:

@@ -15,7 +15,9 @@ def markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     return "\n".join([lines[0], "|" + "|".join("-" * (width + 2) for width in widths) + "|", *lines[1:]])
 
 
-def bootstrap(values: ArrayLike, statistic: Callable[..., float] = np.mean, *, seed: int = 0, draws: int = 2000) -> tuple[float, float]:
+def bootstrap(
+    values: ArrayLike, statistic: Callable[..., float] = np.mean, *, seed: int = 0, draws: int = 2000
+) -> tuple[float, float]:
     """Return the 95 % bootstrap interval of a statistic of ``values``."""
     values = np.asarray(values, dtype=float)
     rng = np.random.default_rng(seed)

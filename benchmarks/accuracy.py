@@ -66,7 +66,9 @@ def outcome(sample: Sample) -> Row:
     box = result.boxes[0]
     signed = box.volume / volume - 1
     intervals = [box.volume_interval90, *box.interval90]
-    inside = tuple(low <= x <= (np.inf if high is None else high) for (low, high), x in zip(intervals, [volume, *truth], strict=True))
+    inside = tuple(
+        low <= x <= (np.inf if high is None else high) for (low, high), x in zip(intervals, [volume, *truth], strict=True)
+    )
     sigma = np.nan if box.volume_sigma is None else box.volume_sigma / box.volume
     return Row(abs(signed), signed, True, inside, sigma, "cut" in box.flags, *common)
 
@@ -75,7 +77,12 @@ def _print(title: str, rows: list[Row]) -> None:
     whole = [row for row in rows if not row.cut]
     bands = [(f"folded azimuth {low}-{high}°", [row for row in rows if low <= row.folded < high or row.folded == high == 45])
              for low, high in ((0, 10), (10, 20), (20, 30), (30, 45))]  # fmt: skip
-    groups = [("all", rows), ("box wholly in the image", whole), ("box cut by the image", [row for row in rows if row.cut]), *bands]
+    groups = [
+        ("all", rows),
+        ("box wholly in the image", whole),
+        ("box cut by the image", [row for row in rows if row.cut]),
+        *bands,
+    ]
     header = ("scans", "n", "success", "median |error|", "95 % of the median", "p90 |error|", "bias", "median claimed sigma")
     print(f"## {title}\n\nRelative volume error; a missing volume counts as 100 %.\n")
     print(markdown(header, [(name, len(group), *_accuracy(group)) for name, group in groups if group]))
@@ -83,14 +90,20 @@ def _print(title: str, rows: list[Row]) -> None:
           " (median). State of practice as published on boxbench: success 0.99, median 2.8 %, p90 15 %; the paper's planes and"
           " lines: success 0.35, median 27 % (on a larger set).\n")  # fmt: skip
     print("Share of the 90 % intervals that contain the truth (95 % Wilson interval); right is 0.90.\n")
-    print(markdown(("scans", "volume", "length", "width", "height"), [(name, *_coverage(group)) for name, group in groups[:3] if group]))
+    print(
+        markdown(
+            ("scans", "volume", "length", "width", "height"), [(name, *_coverage(group)) for name, group in groups[:3] if group]
+        )
+    )
     flagged = sum(row.flagged_cut for row in rows if row.cut)
     wrongly = sum(row.flagged_cut for row in whole)
     print(f"\nFlag cut: {flagged} of {len(rows) - len(whole)} cut boxes, and {wrongly} of {len(whole)} whole ones.")
     for name, low, high in (("224x171", 0, 100_000), ("640x480", 100_000, 10**9)):
         seconds = [row.seconds for row in rows if low < row.pixels < high]
         if seconds:
-            print(f"Time per {name} scan, one thread: median {1e3 * np.median(seconds):.0f} ms, p90 {1e3 * np.quantile(seconds, 0.9):.0f} ms.")
+            print(
+                f"Time per {name} scan, one thread: median {1e3 * np.median(seconds):.0f} ms, p90 {1e3 * np.quantile(seconds, 0.9):.0f} ms."
+            )
     print()
 
 

@@ -80,4 +80,3 @@ def _episode(world: World, first: np.ndarray, seed: int, policy: Policy | None) 
 def _last(episode: Episode) -> float:
     """Return the error after the last view; where no move was possible, that of the first."""
     return episode.errors[-1]
-

@@ -47,7 +47,9 @@ def run(options: argparse.Namespace) -> None:
         plan = next_view(result)
         if plan.best is not None:
             best = plan.candidates[plan.best]
-            faces = ", ".join(f"{s.name} {np.rad2deg(s.incidence):.0f}°" for s in best.assessment.prediction.sights if s.returns >= 25)  # type: ignore[union-attr]
+            faces = ", ".join(
+                f"{s.name} {np.rad2deg(s.incidence):.0f}°" for s in best.assessment.prediction.sights if s.returns >= 25
+            )  # type: ignore[union-attr]
             scores = " ".join(f"{c.assessment.score:.2f}" for c in plan.candidates)
             plans.append((name, scores, f"{plan.best}: {plan_words(plan, plan.best)}", faces, "yes" if plan.stop else "no"))
     print("## Real scans\n\nA + marks a lower bound. Fits are by default settings: camera unknown, noise from the scan.\n")

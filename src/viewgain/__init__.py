@@ -44,7 +44,7 @@ _ROOMS = {
     "read_scan": "scans",
     "write_scan": "scans",
 }
-__all__ = sorted([*_ROOMS, "__version__"])  # noqa: PLE0605
+__all__ = sorted([*_ROOMS, "__version__"])
 
 
 def __getattr__(name: str) -> object:

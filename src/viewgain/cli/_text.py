@@ -56,7 +56,14 @@ def _add_box(table: Table, index: int, box: BoxEstimate) -> None:
 def ranking_table(plan: NextView) -> Table:
     """Return the candidates of a plan, best first."""
     table = Table(title=f"next view, rig {plan.rig}, policy {plan.policy}", title_justify="left", title_style="bold")
-    for column in ("view", "how to get there", "would see (incidence)", "sigma of volume", f"P(error < {plan.tolerance:.0%})", "score"):
+    for column in (
+        "view",
+        "how to get there",
+        "would see (incidence)",
+        "sigma of volume",
+        f"P(error < {plan.tolerance:.0%})",
+        "score",
+    ):
         table.add_column(column, justify="right" if column.startswith(("sigma", "P(", "score")) else "left")
     for candidate in sorted(plan.candidates, key=lambda c: (c.index != plan.best, not c.reachable, -c.assessment.score)):
         after, prediction = candidate.assessment.outlook, candidate.assessment.prediction

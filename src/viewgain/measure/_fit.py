@@ -94,7 +94,9 @@ def refine(box: Box, views: tuple[View, ...], schedule: tuple[Softness, ...], st
         damping = 1e-3
         for _ in range(steps):
             step = _step(fit, damping)
-            trial = _evaluated(fit.box.moved(step[:PARAMETERS]), fit.corrections + step[PARAMETERS:].reshape(-1, 6), views, softness)
+            trial = _evaluated(
+                fit.box.moved(step[:PARAMETERS]), fit.corrections + step[PARAMETERS:].reshape(-1, 6), views, softness
+            )
             if trial.value > fit.value:
                 gain = trial.value - fit.value
                 fit, damping = trial, max(damping / 5, 1e-6)

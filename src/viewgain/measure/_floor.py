@@ -75,7 +75,10 @@ def _oriented_samples(image: RangeImage) -> tuple[Points, Points, Array]:
     centre = means[rows, columns]
     across = means[rows, columns + 2] - means[rows, columns - 2]
     down = means[rows + 2, columns] - means[rows - 2, columns]
-    bend = means[rows, columns + 2] + means[rows, columns - 2] - 2 * centre, means[rows + 2, columns] + means[rows - 2, columns] - 2 * centre
+    bend = (
+        means[rows, columns + 2] + means[rows, columns - 2] - 2 * centre,
+        means[rows + 2, columns] + means[rows - 2, columns] - 2 * centre,
+    )
     normals = np.cross(down, across)
     length = np.linalg.norm(normals, axis=1)
     distance = np.linalg.norm(centre, axis=1)

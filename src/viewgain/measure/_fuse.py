@@ -100,7 +100,9 @@ def _same_boxes(results: list[Measurement], worlds: list[Pose]) -> list[dict[int
 
 def _fused(group: dict[int, BoxEstimate], worlds: list[Pose], pose_sigma: tuple[float, float]) -> BoxEstimate:
     reference_to_world = worlds[-1]
-    best = min(group, key=lambda index: (any(group[index].is_open), group[index].quality.cut, np.trace(group[index].covariance[6:, 6:])))
+    best = min(
+        group, key=lambda index: (any(group[index].is_open), group[index].quality.cut, np.trace(group[index].covariance[6:, 6:]))
+    )
     start = group[best].box.in_frame(inverse(reference_to_world) @ worlds[best])
     if len(group) == 1:
         return replace(group[best], box=start)

@@ -30,7 +30,11 @@ def hypotheses(points: Points, floor: Floor) -> list[Box]:
     crown = local[local[:, 2] > top - max(0.02, 3 * floor.spread)]
     local = local[local[:, 2] > _ABOVE_FLOOR * top]
     footprint = local[:, :2]
-    yaws = [_smallest_rectangle(crown[:, :2] if len(crown) > 30 else footprint), _smallest_rectangle(footprint), _hugging(footprint)]
+    yaws = [
+        _smallest_rectangle(crown[:, :2] if len(crown) > 30 else footprint),
+        _smallest_rectangle(footprint),
+        _hugging(footprint),
+    ]
     guesses = [_box_at(yaw, local, top, placing) for yaw in _distinct(yaws)]
     return [deeper for guess in guesses for deeper in _with_depth(guess)]
 

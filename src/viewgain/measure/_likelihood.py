@@ -92,7 +92,15 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
     by_edge = np.where(mixture.edges.edge[near] == corners[:, None], curvature, 0.0)
     residual = np.where(mixture.on_box > mixture.on_floor, mixture.box.z, mixture.floor.z)
     return Evaluation(
-        mixture.value, gradient, information, mixture.inside, residual, mixture.box.hits, systematic, by_edge @ rows, by_edge.sum(axis=1)
+        mixture.value,
+        gradient,
+        information,
+        mixture.inside,
+        residual,
+        mixture.box.hits,
+        systematic,
+        by_edge @ rows,
+        by_edge.sum(axis=1),
     )
 
 

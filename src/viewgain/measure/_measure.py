@@ -139,7 +139,7 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
     if {"open", "cut"} & set(estimate.flags) and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
         return "too_few_points"
     unbounded = sum(estimate.is_open)
-    if unbounded == 3 or (quality.cut and (unbounded == 2 or quality.faces_seen == 1 and unbounded)):
+    if unbounded == 3 or (quality.cut and (unbounded == 2 or (quality.faces_seen == 1 and unbounded))):
         return "cut_by_border"
     return estimate
 

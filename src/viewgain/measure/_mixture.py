@@ -56,7 +56,13 @@ class Pixels:
         """Return a subset, optionally with other weights."""
         weights = self.weight[chosen] if weight is None else weight
         return Pixels(
-            self.directions[chosen], self.image[chosen], self.ranges[chosen], self.other[chosen], weights, self.pitch, self.horizon
+            self.directions[chosen],
+            self.image[chosen],
+            self.ranges[chosen],
+            self.other[chosen],
+            weights,
+            self.pitch,
+            self.horizon,
         )
 
 
@@ -141,12 +147,21 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     total = np.maximum((1 - mixing) * pure + mixing * mixed, 1e-12)
     share = (1 - mixing) / total
     on_box, on_floor = share * seen * near.density, share * unseen * far.density
-    return Mixture(near, far, shape, edges, inside, on_box, on_floor, mixing * mixed / total, mixing * pure / total, float(np.sum(np.log(total))))
+    return Mixture(
+        near,
+        far,
+        shape,
+        edges,
+        inside,
+        on_box,
+        on_floor,
+        mixing * mixed / total,
+        mixing * pure / total,
+        float(np.sum(np.log(total))),
+    )
 
 
-def _surface(
-    pixels: Pixels, hits: Hits, sensor: Sensor, noise: float, softness: Softness, lost: Array, stray: float
-) -> Surface:
+def _surface(pixels: Pixels, hits: Hits, sensor: Sensor, noise: float, softness: Softness, lost: Array, stray: float) -> Surface:
     """Return one surface's density: a Gaussian about its range, uniform strays, and the chance of no return."""
     predicted = np.minimum(hits.ranges, 1e3)
     sigma = np.hypot(noise * sensor.range_sigma(np.minimum(predicted, 10.0), hits.cosine), softness.extra_sigma)

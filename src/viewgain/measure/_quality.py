@@ -138,7 +138,11 @@ def face_views(box: Box, evaluation: Evaluation, pixels: Pixels, on_face: Mask) 
         if cosine <= 0:
             continue
         mine = on_face & (evaluation.hits.planes == index)
-        views.append(FaceView(FACES[index], float(np.arccos(min(cosine, 1.0))), int(pixels.weight[mine].sum()), _bend(evaluation, pixels, mine)))
+        views.append(
+            FaceView(
+                FACES[index], float(np.arccos(min(cosine, 1.0))), int(pixels.weight[mine].sum()), _bend(evaluation, pixels, mine)
+            )
+        )
     return tuple(views)
 
 

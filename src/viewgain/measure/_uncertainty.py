@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from viewgain.arrays import Array
-from viewgain.box import PARAMETERS, Box
+from viewgain.box import PARAMETERS
 from viewgain.camera import Sensor
 from viewgain.measure._fit import SHARP, Fit, marginal, value_at
 from viewgain.measure._likelihood import Evaluation

@@ -66,7 +66,9 @@ def belief_from(estimate: BoxEstimate) -> Belief:
         boxes = [box.moved(ridge * (length - value)) for length in lengths for box in boxes]
     boxes = [Box(box.box_to_camera, np.maximum(box.extents, 0.01)) for box in boxes]
     view = estimate.views[0]
-    return Belief(tuple(sorted(boxes, key=lambda box: box.volume)), estimate.knowledge, view.sensor, view.noise, not any(estimate.is_open))
+    return Belief(
+        tuple(sorted(boxes, key=lambda box: box.volume)), estimate.knowledge, view.sensor, view.noise, not any(estimate.is_open)
+    )
 
 
 def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Belief:

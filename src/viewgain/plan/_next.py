@@ -166,7 +166,9 @@ def next_view(
     )
 
 
-def _measured(current: Scan | list[Scan] | Measurement, camera: str | Sensor | None, pose_sigma: tuple[float, float]) -> Measurement:
+def _measured(
+    current: Scan | list[Scan] | Measurement, camera: str | Sensor | None, pose_sigma: tuple[float, float]
+) -> Measurement:
     if isinstance(current, Measurement):
         return current
     if isinstance(current, Scan):

@@ -6,8 +6,8 @@ from typing import Protocol
 import numpy as np
 
 from viewgain.arrays import Array, Poses
-from viewgain.measure import Knowledge, marginal, pose_precision
 from viewgain.geometry import inverse
+from viewgain.measure import Knowledge, marginal, pose_precision
 from viewgain.plan._belief import Belief, Outlook, normal_within, outlook, relative_sigma
 from viewgain.plan._predict import Prediction, predict
 

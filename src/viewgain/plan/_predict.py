@@ -11,8 +11,19 @@ import numpy as np
 
 from viewgain.arrays import Array, Mask, Points, Pose
 from viewgain.box import (
-    FACES, FLOOR, PARAMETERS, PLANE_NORMALS, Box, EdgeDistances, Hits, box_hits, edge_distances, edge_jacobian, floor_hits,
-    outline, range_jacobian,
+    FACES,
+    FLOOR,
+    PARAMETERS,
+    PLANE_NORMALS,
+    Box,
+    EdgeDistances,
+    Hits,
+    box_hits,
+    edge_distances,
+    edge_jacobian,
+    floor_hits,
+    outline,
+    range_jacobian,
 )  # fmt: skip
 from viewgain.camera import Sensor
 from viewgain.geometry import inverse, transform

@@ -147,7 +147,9 @@ def _from_table(content: dict[str, object], path: Path) -> Rig:
 def _station(view: dict[str, object], where: str) -> Station:
     unknown = set(view) - {"azimuth_deg", "elevation_deg", "distance_m", "camera_to_world"}
     if unknown:
-        raise ConfigError(f"{where}: unknown keys {sorted(unknown)}; wanted azimuth_deg, elevation_deg, distance_m or camera_to_world")
+        raise ConfigError(
+            f"{where}: unknown keys {sorted(unknown)}; wanted azimuth_deg, elevation_deg, distance_m or camera_to_world"
+        )
     if "camera_to_world" in view:
         return Station(camera_to_world=require_rigid(np.asarray(view["camera_to_world"], dtype=float), where))
     numbers = {key: float(value) for key, value in view.items()}  # type: ignore[arg-type]

@@ -19,7 +19,9 @@ def directions_in_words(camera_to_current: Pose, target: Vector3, up: Vector3) -
     further = float(np.linalg.norm(after) - np.linalg.norm(before))
     parts = []
     if abs(turn) >= 0.5:
-        parts.append("to the opposite side" if abs(turn) > 179.5 else f"{abs(turn):.0f} degrees to the {'right' if turn > 0 else 'left'}")
+        parts.append(
+            "to the opposite side" if abs(turn) > 179.5 else f"{abs(turn):.0f} degrees to the {'right' if turn > 0 else 'left'}"
+        )
     if abs(rise) >= 0.01:
         parts.append(f"{abs(rise):.2f} m {'up' if rise > 0 else 'down'}")
     distance = "same distance" if abs(further) < 0.01 else f"{abs(further):.2f} m {'further away' if further > 0 else 'closer'}"

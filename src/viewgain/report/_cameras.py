@@ -64,7 +64,9 @@ def draw_candidates(figure: Figure, stage: Stage, plan: NextView, camera_to_worl
         draw_camera(stage, pose, face=colour, edge=INK if candidate.reachable else FAINT)
         middle = _middle(stage, pose)
         if chosen:
-            stage.axes.add_patch(Circle((middle[0], middle[1]), 0.95 * stage.size, fill=False, edgecolor=INK, linewidth=1.6, zorder=20))
+            stage.axes.add_patch(
+                Circle((middle[0], middle[1]), 0.95 * stage.size, fill=False, edgecolor=INK, linewidth=1.6, zorder=20)
+            )
         if not candidate.reachable:
             stage.axes.scatter(*middle, s=26, marker="x", color=FAINT, linewidths=1.0, zorder=20)
         if candidate.reachable or len(plan.candidates) <= FEW:
@@ -73,7 +75,13 @@ def draw_candidates(figure: Figure, stage: Stage, plan: NextView, camera_to_worl
     if any(candidate.reachable for candidate in plan.candidates):
         shares = all(candidate.assessment.outlook is not None for candidate in plan.candidates)
         text = SCORE if shares else f"score given by the\npolicy “{plan.policy}”"
-        colour_bar(figure, ScalarMappable(norm, score_colours()), stage.axes, text, format=(lambda share, _: percent(share)) if shares else None)
+        colour_bar(
+            figure,
+            ScalarMappable(norm, score_colours()),
+            stage.axes,
+            text,
+            format=(lambda share, _: percent(share)) if shares else None,
+        )
     return labels
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -39,9 +38,15 @@ def dimensions_figure(steps: Sequence[tuple[Compared, ...]], truths: Sequence[fl
         Line2D([], [], color=TRUE, linewidth=1.2, label="truth"),
     ]
     if "bound" in signs:
-        handles.append(Line2D([], [], marker="^", linestyle="", color=FIT, markerfacecolor="white", markersize=5, label="lower bound"))
+        handles.append(
+            Line2D([], [], marker="^", linestyle="", color=FIT, markerfacecolor="white", markersize=5, label="lower bound")
+        )
     if "beyond" in signs:
-        handles.append(Line2D([], [], marker="^", linestyle="", color=FIT, markersize=5, label="goes on outside the panel, or nothing bounds it"))
+        handles.append(
+            Line2D(
+                [], [], marker="^", linestyle="", color=FIT, markersize=5, label="goes on outside the panel, or nothing bounds it"
+            )
+        )
     if not all(steps):
         handles.append(Line2D([], [], marker="x", linestyle="", color=FAINT, markersize=5, label="not measured"))
     legend_below(figure, handles, len(handles))
@@ -75,17 +80,41 @@ def _draw_interval(axes: Axes, number: int, row: Compared, unit: Unit, span: tup
     low, high = span
     bottom, top = max(row.low, low), high if row.high is None else min(row.high, high)
     if bottom < top:
-        axes.plot([number, number], [bottom * unit.per_metre, top * unit.per_metre], color=FIT, linewidth=1.4, solid_capstyle="butt", zorder=3)
+        axes.plot(
+            [number, number],
+            [bottom * unit.per_metre, top * unit.per_metre],
+            color=FIT,
+            linewidth=1.4,
+            solid_capstyle="butt",
+            zorder=3,
+        )
     for end, cut, head in ((row.low, row.low < low, "v"), (row.high, row.high is None or row.high > high, "^")):
         if cut:
             signs.add("beyond")
-            axes.plot(number, 0.0 if head == "v" else 1.0, head, color=FIT, markersize=5, clip_on=False, transform=axes.get_xaxis_transform(), zorder=4)
+            axes.plot(
+                number,
+                0.0 if head == "v" else 1.0,
+                head,
+                color=FIT,
+                markersize=5,
+                clip_on=False,
+                transform=axes.get_xaxis_transform(),
+                zorder=4,
+            )
         elif end is not None:
             axes.plot(number, end * unit.per_metre, "_", color=FIT, markersize=7, markeredgewidth=1.4, zorder=3)
     if low <= row.value <= high:
         signs |= {"bound"} if row.is_open else set()
         face = "white" if row.is_open else FIT
-        axes.plot(number, row.value * unit.per_metre, "^" if row.is_open else "o", color=FIT, markerfacecolor=face, markersize=5, zorder=5)
+        axes.plot(
+            number,
+            row.value * unit.per_metre,
+            "^" if row.is_open else "o",
+            color=FIT,
+            markerfacecolor=face,
+            markersize=5,
+            zorder=5,
+        )
     else:
         text = f"{'≥ ' if row.is_open else ''}{unit.number(row.value)}"
         aside, place = (6, "left") if number == 1 else (-6, "right")
@@ -96,7 +125,11 @@ def _draw_interval(axes: Axes, number: int, row: Compared, unit: Unit, span: tup
 
 def _span(rows: Sequence[Compared | None], truth: float) -> tuple[float, float]:
     """Return the values that a panel shows: truth and intervals, but not the long ones where short ones are there to see."""
-    ends = [(min(row.low, truth), max(row.value if row.high is None else row.high, row.value, truth)) for row in rows if row is not None]
+    ends = [
+        (min(row.low, truth), max(row.value if row.high is None else row.high, row.value, truth))
+        for row in rows
+        if row is not None
+    ]
     shortest = min((high - low for low, high in ends), default=0.0)
     shown = [(low, high) for low, high in ends if high - low <= FAR * shortest]
     low, high = min((end[0] for end in shown), default=truth), max((end[1] for end in shown), default=truth)

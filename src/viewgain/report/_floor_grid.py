@@ -71,7 +71,14 @@ def _draw_marks(axes: Axes, floor: Floor, view: Viewpoint, axis: int) -> None:
     place[across] = near
     for tick in floor.ticks(axis)[1:-1]:
         place[axis] = tick
-        axes.text(*view.picture(place + 0.18 * floor.step * outward), _number(tick), fontsize=SMALL - 1, color=FAINT, ha=sideways, va="top")
+        axes.text(
+            *view.picture(place + 0.18 * floor.step * outward),
+            _number(tick),
+            fontsize=SMALL - 1,
+            color=FAINT,
+            ha=sideways,
+            va="top",
+        )
     place[axis] = (floor.low + floor.high)[axis] / 2
     name = f"{'xy'[axis]}, metres"
     axes.text(*view.picture(place + 0.95 * floor.step * outward), name, fontsize=SMALL, color=FAINT, ha=sideways, va="top")

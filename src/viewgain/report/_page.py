@@ -63,7 +63,9 @@ def render_page(episode: Episode, pngs: Mapping[str, bytes]) -> bytes:
     unit = volume_unit(episode.world.box.volume)
     sections = [_section(episode, index, pngs, unit) for index in range(len(episode.steps))]
     overview = _picture(pngs, "dimensions.png", "Estimates of length, width, height and volume after each view, with 90 % intervals, beside the truth.", _overview_caption())  # fmt: skip
-    return template.render(summary=_summary(episode, unit), overview=overview, sections=sections, setting=_setting(episode)).encode()
+    return template.render(
+        summary=_summary(episode, unit), overview=overview, sections=sections, setting=_setting(episode)
+    ).encode()
 
 
 def _summary(episode: Episode, unit: Unit) -> dict[str, object]:
@@ -78,7 +80,9 @@ def _summary(episode: Episode, unit: Unit) -> dict[str, object]:
         "truth": f"{true_size} mm, {unit.number(truth.volume)} {unit.name}",
         "measured": bool(rows),
         "reason": words.reason_in_words(last.fused.reason),
-        "dimensions": [{"name": row.name, "text": words.plus_minus(row, MILLIMETRES), "error": _error(row, MILLIMETRES)} for row in rows[:3]],
+        "dimensions": [
+            {"name": row.name, "text": words.plus_minus(row, MILLIMETRES), "error": _error(row, MILLIMETRES)} for row in rows[:3]
+        ],
         "volume": words.plus_minus(rows[3], unit) if rows else "",
         "error": words.off_truth(rows[3]) if rows and not rows[3].is_open else "",
     }
@@ -122,7 +126,9 @@ def _remarks(episode: Episode, step: Step, before: NextView | None, unit: Unit) 
     if step.fused.boxes and _is_other_box(step.fused, episode):
         found.append("Attention: this box stands elsewhere than the true one; the planner has taken another box for it.")
     if len(step.fused.boxes) > 1:
-        found.append(f"{len(step.fused.boxes)} boxes were measured; the table is about the one with the most returns, which the plan is for.")
+        found.append(
+            f"{len(step.fused.boxes)} boxes were measured; the table is about the one with the most returns, which the plan is for."
+        )
     if not step.fused.boxes and step.fused.rejected:
         found.append("The plan takes the largest object for a blob of unknown size; names of faces then refer to it as the camera sees it (−y is the front).")  # fmt: skip
     if not step.fused.boxes and (advice := words.advice(step.fused.reason)):
@@ -155,7 +161,11 @@ def _row(row: Compared, unit: Unit) -> dict[str, object]:
 
 
 def _error(row: Compared, unit: Unit) -> str:
-    return "lower bound" if row.is_open else f"{unit.signed(row.value - row.true)} {unit.name} ({signed_percent(row.relative_error)})"
+    return (
+        "lower bound"
+        if row.is_open
+        else f"{unit.signed(row.value - row.true)} {unit.name} ({signed_percent(row.relative_error)})"
+    )
 
 
 def _candidates(plan: NextView, unit: Unit) -> tuple[dict[str, object], ...]:

@@ -13,8 +13,21 @@ from viewgain.box import CORNERS, Box
 from viewgain.measure import Measurement, Rejected, range_image
 from viewgain.measure._range_image import RangeImage
 from viewgain.report._style import (
-    FIT, HIDDEN_DASHES, INK, MISSING, SMALL, colour_bar, fit_height, halo, legend_below, line_halo, new_figure, plain_axes,
-    range_colours, title, true_line,
+    FIT,
+    HIDDEN_DASHES,
+    INK,
+    MISSING,
+    SMALL,
+    colour_bar,
+    fit_height,
+    halo,
+    legend_below,
+    line_halo,
+    new_figure,
+    plain_axes,
+    range_colours,
+    title,
+    true_line,
 )  # fmt: skip
 from viewgain.report._wire import edges, faces, facing_camera, open_edges, reported_box, room
 from viewgain.report._words import reason_in_words
@@ -27,7 +40,9 @@ _SAMPLES = 24
 _LABEL_ROOM = 0.02
 
 
-def range_figure(scan: Scan, measurement: Measurement, *, truth: Box | None = None, heading: str = "Range image", sizes: bool = False) -> Figure:
+def range_figure(
+    scan: Scan, measurement: Measurement, *, truth: Box | None = None, heading: str = "Range image", sizes: bool = False
+) -> Figure:
     """Return the picture of a scan's ranges with the boxes of ``measurement`` over it.
 
     Args:
@@ -97,7 +112,10 @@ def _sizes(measurement: Measurement) -> tuple[str, ...]:
     lines = []
     for number, estimate in enumerate(measurement.boxes, start=1):
         sides = zip(estimate.dimensions, estimate.sigma, estimate.basis, strict=True)
-        text = " × ".join(f"≥ {1000 * value:.0f}" if basis == "open" or sigma is None else f"{1000 * value:.1f} ± {1000 * sigma:.1f}" for value, sigma, basis in sides)
+        text = " × ".join(
+            f"≥ {1000 * value:.0f}" if basis == "open" or sigma is None else f"{1000 * value:.1f} ± {1000 * sigma:.1f}"
+            for value, sigma, basis in sides
+        )
         lines.append(f"box {number}: {text} mm")
     return tuple(lines)
 
@@ -112,7 +130,9 @@ def _draw_box(axes: Axes, image: RangeImage, box: Box, *, first: bool) -> None:
     for name, face in faces(box, facing).items() if first else ():
         pixels = to_image(image, face)
         if room(pixels) > _LABEL_ROOM * image.ranges.shape[1]:
-            axes.text(*pixels[0], name, ha="center", va="center", fontsize=SMALL, color=INK, path_effects=halo(), clip_on=True, zorder=5)
+            axes.text(
+                *pixels[0], name, ha="center", va="center", fontsize=SMALL, color=INK, path_effects=halo(), clip_on=True, zorder=5
+            )
 
 
 def _draw_truth(axes: Axes, image: RangeImage, truth: Box) -> None:

@@ -147,6 +147,8 @@ def _pictures(episode: Episode) -> dict[str, bytes]:
         earlier = [before.fused.world for before in steps[: number - 1]]
         pngs[f"{name}_range.png"] = to_png(range_figure(step.scan, step.fused, truth=own, heading=f"View {number}"))
         pngs[f"{name}_scene.png"] = to_png(
-            scene_figure(step.scan, step.fused, step.plan, truth=truth, earlier=earlier, view=view, heading=f"View {number}: where next?")
+            scene_figure(
+                step.scan, step.fused, step.plan, truth=truth, earlier=earlier, view=view, heading=f"View {number}: where next?"
+            )
         )
     return pngs

@@ -15,7 +15,20 @@ from viewgain.plan import NextView
 from viewgain.report._cameras import FEW, Label, Stage, draw_camera, draw_candidates, draw_labels
 from viewgain.report._floor_grid import Floor, draw_floor
 from viewgain.report._style import (
-    FAINT, FIT, HIDDEN_DASHES, INK, ON_BOX, ON_FLOOR, SMALL, fit_height, halo, legend_below, line_halo, new_figure, title, true_line,
+    FAINT,
+    FIT,
+    HIDDEN_DASHES,
+    INK,
+    ON_BOX,
+    ON_FLOOR,
+    SMALL,
+    fit_height,
+    halo,
+    legend_below,
+    line_halo,
+    new_figure,
+    title,
+    true_line,
 )  # fmt: skip
 from viewgain.report._viewpoint import Viewpoint, clearest
 from viewgain.report._wire import edges, faces, facing_direction, open_edges, reported_box, room
@@ -124,7 +137,9 @@ def on_object(points: Points, measurement: Measurement) -> Mask:
     if measurement.floor is None or measurement.boxes:
         return mask
     for blob in measurement.rejected:
-        mask |= np.all(np.abs(points - blob.centre) < 1.05 * blob.spread, axis=1) & (measurement.floor.plane.height(points) > 0.015)
+        mask |= np.all(np.abs(points - blob.centre) < 1.05 * blob.spread, axis=1) & (
+            measurement.floor.plane.height(points) > 0.015
+        )
     return mask
 
 
@@ -168,7 +183,18 @@ def _camera_keys(plan: NextView | None, earlier: Sequence[Pose]) -> list[Line2D]
     if earlier:
         keys.append(_dot("earlier views", ON_FLOOR, "^", 5))
     if plan is not None and plan.best is not None:
-        keys.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="none", markeredgecolor=INK, markersize=7, label="best next view"))
+        keys.append(
+            Line2D(
+                [],
+                [],
+                marker="o",
+                linestyle="",
+                markerfacecolor="none",
+                markeredgecolor=INK,
+                markersize=7,
+                label="best next view",
+            )
+        )
     if plan is not None and not all(candidate.reachable for candidate in plan.candidates):
         keys.append(_dot("out of reach", FAINT, "x", 5))
     return keys

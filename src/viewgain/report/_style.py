@@ -54,7 +54,14 @@ def fit_height(figure: Figure, axes: Axes, details: int = 0) -> None:
     width, height = (abs(high - low) for low, high in (axes.get_xlim(), axes.get_ylim()))
     legends = max((len(legend.get_texts()) / getattr(legend, "_ncols", 1) for legend in figure.legends), default=0)
     names = 0.4 if axes.axison else 0.0
-    figure.set_figheight(0.46 + 0.153 * details + names + 0.17 * np.ceil(legends) + 0.1 + (4.1 if axes.axison else 4.35) * min(height / width, 1.25))
+    figure.set_figheight(
+        0.46
+        + 0.153 * details
+        + names
+        + 0.17 * np.ceil(legends)
+        + 0.1
+        + (4.1 if axes.axison else 4.35) * min(height / width, 1.25)
+    )
 
 
 def to_png(figure: Figure) -> bytes:
@@ -102,7 +109,13 @@ def line_halo(width: float, colour: str = "white") -> list[AbstractPathEffect]:
 def true_line() -> dict[str, Any]:
     """Return how the edges of the true box are drawn."""
     dashes = (0, (2.6, 2.4))
-    return {"color": TRUTH, "linewidth": 0.8, "linestyle": dashes, "path_effects": line_halo(1.7, "black"), "dash_capstyle": "butt"}
+    return {
+        "color": TRUTH,
+        "linewidth": 0.8,
+        "linestyle": dashes,
+        "path_effects": line_halo(1.7, "black"),
+        "dash_capstyle": "butt",
+    }
 
 
 def plain_axes(axes: Axes, x_label: str, y_label: str) -> None:
@@ -123,7 +136,9 @@ def title(axes: Axes, text: str, details: Sequence[str] = ()) -> None:
     """Write the line that says what the picture shows, and any lines of detail under it."""
     axes.set_title(text, loc="left", fontsize=LARGE, fontweight="bold", color=INK, pad=7 + 11 * len(details))
     for index, line in enumerate(reversed(details)):
-        axes.annotate(line, (0, 1), (0, 5 + 11 * index), xycoords="axes fraction", textcoords="offset points", fontsize=NORMAL, color=INK)
+        axes.annotate(
+            line, (0, 1), (0, 5 + 11 * index), xycoords="axes fraction", textcoords="offset points", fontsize=NORMAL, color=INK
+        )
 
 
 def colour_bar(figure: Figure, mappable: Any, axes: Axes, label: str, **settings: Any) -> Any:

@@ -67,7 +67,9 @@ def room(face: Points2) -> float:
     """Return how far the centre of a face is from its sides in a picture, where ``face`` (5, 2) is centre and corners."""
     start, end = face[1:] - face[0], np.roll(face[1:], -1, axis=0) - face[0]
     side = end - start
-    return float(np.min(np.abs(start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / np.maximum(np.linalg.norm(side, axis=1), 1e-9)))
+    return float(
+        np.min(np.abs(start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / np.maximum(np.linalg.norm(side, axis=1), 1e-9))
+    )
 
 
 def reported_box(estimate: BoxEstimate) -> Box:

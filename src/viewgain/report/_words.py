@@ -48,7 +48,11 @@ def measured_sentence(measurement: Measurement, rows: tuple[Compared, ...], numb
 
 def faces_sentence(estimate: BoxEstimate) -> str:
     """Return which faces were seen and at which angle."""
-    seen = [f"{_face(face.name)} at {_degrees(face.incidence)} ({face.returns:,} returns)" for face in estimate.quality.faces if face.seen]
+    seen = [
+        f"{_face(face.name)} at {_degrees(face.incidence)} ({face.returns:,} returns)"
+        for face in estimate.quality.faces
+        if face.seen
+    ]
     return f"Faces seen: {', '.join(seen) or 'none'}; 0° is head-on. The box explains {percent(estimate.quality.explained, 0)} of its returns."
 
 

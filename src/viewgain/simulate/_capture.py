@@ -6,7 +6,7 @@ from scipy import ndimage
 from viewgain.arrays import Array, Image, Points, Pose
 from viewgain.box import Box, box_hits, entry_mask
 from viewgain.camera import Intrinsics, Sensor
-from viewgain.geometry import inverse, transform
+from viewgain.geometry import inverse
 from viewgain.scans import Scan
 from viewgain.simulate._scene import Scene
 
@@ -14,7 +14,9 @@ EDGE_JUMP = 0.03
 """Neighbouring ranges that differ by more are a depth edge, metres."""
 
 
-def capture(scene: Scene, camera_to_world: Pose, sensor: Sensor, *, rng: np.random.Generator | None, source: str = "simulated") -> Scan:
+def capture(
+    scene: Scene, camera_to_world: Pose, sensor: Sensor, *, rng: np.random.Generator | None, source: str = "simulated"
+) -> Scan:
     """Return one scan of ``scene``.
 
     Every pixel looks in a slightly wrong direction (lateral noise) but reports its nominal one; its range gets noise that grows

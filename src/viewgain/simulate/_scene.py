@@ -63,7 +63,9 @@ def random_view(rng: np.random.Generator, box: Box, ranges: SceneRanges | None =
     ranges = ranges or SceneRanges()
     azimuth, elevation = np.deg2rad(rng.uniform(*ranges.azimuth_deg)), np.deg2rad(rng.uniform(*ranges.elevation_deg))
     target = box.centre + rng.normal(0.0, ranges.aim_sd, 3)
-    return orbit_pose(target, azimuth, elevation, rng.uniform(*ranges.distance), float(np.deg2rad(rng.normal(0, ranges.roll_sd_deg))))
+    return orbit_pose(
+        target, azimuth, elevation, rng.uniform(*ranges.distance), float(np.deg2rad(rng.normal(0, ranges.roll_sd_deg)))
+    )
 
 
 def orbit_pose(target: Vector3, azimuth: float, elevation: float, distance: float, roll: float = 0.0) -> Pose:
