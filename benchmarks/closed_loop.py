@@ -1,4 +1,4 @@
-"""Two views, fused: does the model-based second view beat a random one? Paired on the same scenes, first scans and noise seeds."""
+"""Two views, fused: does the model-based second view beat a random one? Paired on the same scenes, first scans and seeds."""
 
 import argparse
 from concurrent.futures import ProcessPoolExecutor
@@ -14,6 +14,12 @@ from viewgain.simulate import Scene, SceneRanges, random_box, random_view
 
 RANGES = SceneRanges(aim_sd=0.15)
 CAMERA = "pico_flexx"
+_SETTING = f"""\
+Boxes {RANGES.extent[0]}-{RANGES.extent[1]} m, random yaw, elevation {RANGES.elevation_deg[0]:.0f}-{RANGES.elevation_deg[1]:.0f}°,
+distance {RANGES.distance[0]}-{RANGES.distance[1]} m, first view aimed with an error of {RANGES.aim_sd} m per axis, so that many
+boxes are cut by the image; camera scale and offset drawn per scene from the preset; poses off by 3 mm and 0.3°. No volume
+counts as 100 % error.
+"""
 
 
 class FixedPolicy:
@@ -36,10 +42,7 @@ def run(options: argparse.Namespace) -> None:
         errors = list(pool.map(_scene_errors, range(options.scenes), [options.oracle] * options.scenes, chunksize=5))
     table = {name: np.array([error[name] for error in errors]) for name in errors[0]}
     print(f"## Closed loop: volume error after the second view, {options.scenes} seeded scenes, rig ring8, camera {CAMERA}\n")
-    print(f"Boxes {RANGES.extent[0]}-{RANGES.extent[1]} m, random yaw, elevation {RANGES.elevation_deg[0]:.0f}-{RANGES.elevation_deg[1]:.0f}°,"
-          f" distance {RANGES.distance[0]}-{RANGES.distance[1]} m, first view aimed with an error of {RANGES.aim_sd} m per axis (so a"
-          " third of the boxes are cut by the image); camera scale and offset drawn per scene from the preset; poses off by 3 mm and"
-          " 0.3°. No volume counts as 100 % error.\n")  # fmt: skip
+    print(_SETTING)
     rows = []
     for name, values in table.items():
         low, high = bootstrap(values)

@@ -42,10 +42,10 @@ class EdgeDistances:
 
 
 def outline(box: Box) -> Outline:
-    """Return the convex hull of the box's eight projected corners (gift wrapping would do; this is Andrew's monotone chain)."""
+    """Return the convex hull of the box's eight projected corners (Andrew's monotone chain)."""
     points = _project(box.corners())
     order = np.lexsort((points[:, 1], points[:, 0]))
-    hull = np.array(_half_hull(points, order) + _half_hull(points, order[::-1]))
+    hull: Indices = np.array([*_half_hull(points, order), *_half_hull(points, order[::-1])], dtype=np.intp)
     return Outline(points[hull], hull)
 
 
@@ -99,7 +99,7 @@ def _corner_jacobian(box: Box) -> Array:
     return np.asarray(projection @ steps)
 
 
-def _half_hull(points: Points2, order: Array) -> list[int]:
+def _half_hull(points: Points2, order: Indices) -> list[int]:
     """Return one chain of the convex hull, without its last vertex."""
     chain: list[int] = []
     for index in order:

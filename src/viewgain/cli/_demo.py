@@ -18,8 +18,14 @@ def run_demo(command: Demo) -> int:
     world = World(Scene((box,)), camera, scale=rng.normal(0, camera.scale_sd), offset=rng.normal(0, camera.offset_sd))
     first = random_view(rng, box, SceneRanges(elevation_deg=(15, 35), aim_sd=0.2))
     episode = run_episode(
-        world, first, rng=rng, rig=command.rig, tolerance=command.tolerance, confidence=command.confidence, max_views=command.max_views
-    )  # fmt: skip
+        world,
+        first,
+        rng=rng,
+        rig=command.rig,
+        tolerance=command.tolerance,
+        confidence=command.confidence,
+        max_views=command.max_views,
+    )
     truth = np.sort(box.extents)[::-1]
     print(f"A box of {' x '.join(f'{1000 * d:.1f}' for d in truth)} mm ({1000 * box.volume:.2f} l) stands on the floor.")
     for number, step in enumerate(episode.steps, 1):

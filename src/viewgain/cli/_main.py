@@ -31,7 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        command = tyro.cli(Measure | Next | Demo, prog="viewgain", description=_DESCRIPTION, args=arguments or ["--help"])  # type: ignore[call-overload]
+        command = tyro.cli(Measure | Next | Demo, prog="viewgain", description=_DESCRIPTION, args=arguments or ["--help"])
     except SystemExit as exit_:
         return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT
     try:

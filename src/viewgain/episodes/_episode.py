@@ -10,6 +10,7 @@ import numpy as np
 from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.camera import Sensor
+from viewgain.errors import ScanError
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA, Measurement, fuse_measurements, measure
 from viewgain.plan import CovariancePolicy, NextView, Policy, Rig, next_view
@@ -108,16 +109,32 @@ def run_episode(
         stop_early: Whether the stop rule may end the episode.
 
     Returns:
-        At least one step. It also ends where no candidate is reachable or a scan shows nothing at all.
+        At least one step. It also ends where no candidate is reachable or a further scan shows nothing at all.
+
+    Raises:
+        ScanError: If the first scan shows nothing at all.
     """
     decider = policy or CovariancePolicy(world.pose_sigma)
     camera, believed = first_view, first_view
     steps: list[Step] = []
     while True:
-        scan = replace(world.scan(camera, believed, rng), source=f"view {len(steps) + 1}")
+        try:
+            scan = replace(world.scan(camera, believed, rng), source=f"view {len(steps) + 1}")
+        except ScanError:
+            if not steps:
+                raise
+            return Episode(world, tuple(steps))
         single = measure(scan, camera=world.sensor)
         fused = fuse_measurements([*(step.single for step in steps), single], pose_sigma=world.pose_sigma)
-        plan = next_view(fused, rig, policy=decider, camera=world.sensor, tolerance=tolerance, confidence=confidence, pose_sigma=world.pose_sigma)  # fmt: skip
+        plan = next_view(
+            fused,
+            rig,
+            policy=decider,
+            camera=world.sensor,
+            tolerance=tolerance,
+            confidence=confidence,
+            pose_sigma=world.pose_sigma,
+        )
         steps.append(Step(scan, single, fused, plan))
         if len(steps) >= max_views or plan.best is None or (plan.stop and stop_early):
             return Episode(world, tuple(steps))
@@ -126,6 +143,5 @@ def run_episode(
 
 
 def volume_error(measured: Measurement, box: Box) -> float:
-    """Return |V / V* - 1| of the measured box nearest to the true size; 1 (all of it) if there is none."""
-    errors = [abs(estimate.volume / box.volume - 1) for estimate in measured.boxes[:1]]
-    return min([*errors, 1.0]) if errors else 1.0
+    """Return |V / V* - 1| of the box that is largest in the image; 1 (all of it) if there is none."""
+    return abs(measured.boxes[0].volume / box.volume - 1) if measured.boxes else 1.0

@@ -68,7 +68,7 @@ class Fit:
 
 
 def marginal(information: Array, systematic: Array, pose_precision: Array | None) -> tuple[Array, Array]:
-    """Return a view's (9, 9) information and (9, k) systematic gradient after its pose error is integrated out (Schur complement).
+    """Return a view's (9, 9) information and (9, k) systematic gradient with its pose error integrated out (Schur complement).
 
     Args:
         information: (9, 9) information of the view if its pose were exact.

@@ -10,6 +10,7 @@ from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
 from viewgain.geometry import inverse, transform
 from viewgain.measure._fit import COARSE, FINE, View, refine
+from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._measure import measure, with_uncertainty
 from viewgain.measure._quality import FaceView, Quality, face_views, on_faces
 from viewgain.measure._result import BoxEstimate, Measurement
@@ -77,7 +78,7 @@ def pose_precision(camera_to_box: Pose, reference_to_box: Pose, pose_sigma: tupl
     for to_box in (camera_to_box, reference_to_box):
         moved = adjoint(to_box)
         total += moved @ error @ moved.T
-    return np.linalg.inv(total)
+    return np.asarray(np.linalg.inv(total), dtype=float)
 
 
 def _same_boxes(results: list[Measurement], worlds: list[Pose]) -> list[dict[int, BoxEstimate]]:
@@ -109,9 +110,8 @@ def _fused(group: dict[int, BoxEstimate], worlds: list[Pose], pose_sigma: tuple[
     views = tuple(_placed(group[index].views[0], worlds[index], reference_to_world, start, pose_sigma) for index in group)
     fit = refine(start, views, (*COARSE[1:], *FINE), 8)
     seen = [
-        face_views(view.sees(fit.box, c), e, view.pixels, on_faces(e, view.pixels, view.noise * view.sensor.range_sigma(e.hits.ranges, e.hits.cosine)))
-        for view, e, c in zip(fit.views, fit.evaluations, fit.corrections, strict=True)
-    ]  # fmt: skip
+        _faces(view, view.sees(fit.box, c), e) for view, e, c in zip(fit.views, fit.evaluations, fit.corrections, strict=True)
+    ]
     parts = [estimate.quality for estimate in group.values()]
     quality = Quality(
         explained=min(part.explained for part in parts),
@@ -131,6 +131,12 @@ def _placed(view: View, camera_to_world: Pose, reference_to_world: Pose, box: Bo
     reference_to_box = inverse(box.box_to_camera)
     precision = pose_precision(reference_to_box @ inverse(reference_to_camera), reference_to_box, pose_sigma)
     return replace(view, reference_to_camera=reference_to_camera, pose_precision=precision)
+
+
+def _faces(view: View, box: Box, evaluation: Evaluation) -> tuple[FaceView, ...]:
+    """Return the faces of the fused box as one view saw them."""
+    sigma = view.noise * view.sensor.range_sigma(evaluation.hits.ranges, evaluation.hits.cosine)
+    return face_views(box, evaluation, view.pixels, on_faces(evaluation, view.pixels, sigma))
 
 
 def _merged(seen: list[tuple[FaceView, ...]]) -> tuple[FaceView, ...]:

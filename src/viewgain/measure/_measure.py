@@ -40,8 +40,8 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
 
     Args:
         scan: The scan, camera frame.
-        camera: Preset name or sensor, for its noise and systematic error; its image is taken from the scan. Without it the noise is estimated from the scan
-            and the systematic error is that of the default sensor (0.3 % scale, 3 mm offset).
+        camera: Preset name or sensor, for its noise and systematic error; its image is the scan's own. Without it the noise
+            is estimated from the scan and the systematic error is the default sensor's (0.3 % scale, 3 mm offset).
         floor: A scan of the empty scene from the same pose, for stations where the box hides the floor.
 
     Returns:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr
 
-from viewgain.arrays import Array, Mask, Points, Points2
+from viewgain.arrays import Array, Indices, Mask, Points, Points2
 from viewgain.box import Box, EdgeDistances, Hits, Outline, box_hits, edge_distances, floor_hits, outline
 from viewgain.camera import Sensor
 
@@ -52,7 +52,7 @@ class Pixels:
     horizon: float
     """Range beyond which this scan has no returns, metres."""
 
-    def take(self, chosen: Array, weight: Array | None = None) -> "Pixels":
+    def take(self, chosen: Indices, weight: Array | None = None) -> "Pixels":
         """Return a subset, optionally with other weights."""
         weights = self.weight[chosen] if weight is None else weight
         return Pixels(
@@ -186,7 +186,7 @@ def _with_other_objects(pixels: Pixels, near: Surface, far: Surface) -> tuple[Su
 
 
 def _mixed_density(pixels: Pixels, near: Surface, far: Surface) -> Array:
-    """Return the (n,) density of a mixed pixel: uniform between the two surfaces, blurred by the noise; an even chance of nothing."""
+    """Return the (n,) density of a mixed pixel: uniform between the surfaces, blurred by the noise; an even chance of nothing."""
     low = np.minimum(near.hits.ranges, far.hits.ranges)
     high = np.clip(np.maximum(near.hits.ranges, far.hits.ranges), low, np.maximum(low, SPAN))
     between = ndtr((pixels.ranges - low) / near.sigma) * ndtr((high - pixels.ranges) / near.sigma)

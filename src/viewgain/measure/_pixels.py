@@ -48,7 +48,7 @@ def thinned(pixels: Pixels, count: int) -> Pixels:
 
 
 def edges_kept(pixels: Pixels, box: Box, count: int) -> Pixels:
-    """Return all pixels within four pixels of the outline of ``box`` (every second one where they are very many), the rest thinned."""
+    """Return all pixels within four pixels of the outline of ``box`` (thinned where they are very many), and ``count`` others."""
     distance = np.abs(edge_distances(outline(box), pixels.image).distance) / pixels.pitch
     near, rest = np.flatnonzero(distance < _EDGE_BAND), np.flatnonzero(distance >= _EDGE_BAND)
     near_stride, rest_stride = max(1, len(near) // (2 * count)), max(1, len(rest) // count)

@@ -161,7 +161,7 @@ def _fit_lens(points: Points, pixels: Indices, shape: tuple[int, int]) -> LensMa
     scaled = _scaled(np.column_stack([column, row]), shape)
     forward = np.linalg.lstsq(_monomials(scaled), image, rcond=1e-10)[0]
     backward = np.linalg.lstsq(_monomials(image), scaled, rcond=1e-10)[0]
-    return LensMap(forward, backward, shape)
+    return LensMap(np.asarray(forward, dtype=float), np.asarray(backward, dtype=float), shape)
 
 
 def _scaled(pixels: Points2, shape: tuple[int, int]) -> Points2:

@@ -154,6 +154,10 @@ class Rejected:
     spread: Vector3
     """(3,) half-extent of its points, metres, camera frame axes."""
 
+    def to_dict(self) -> dict[str, object]:
+        """Return the JSON form (docs/json.md)."""
+        return {"reason": self.reason, "returns": self.returns, "centre_camera_m": _rounded(self.centre)}
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measurement:
@@ -193,7 +197,7 @@ class Measurement:
                 "spread_m": round(floor.spread, 5),
             },
             "boxes": [box.to_dict(self.world) for box in self.boxes],
-            "rejected": [{"reason": r.reason, "returns": r.returns, "centre_camera_m": _rounded(r.centre)} for r in self.rejected],
+            "rejected": [rejected.to_dict() for rejected in self.rejected],
             "reason": self.reason,
         }  # fmt: skip
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from viewgain.arrays import Array, Image, Mask
+from viewgain.arrays import Image, Mask
 from viewgain.measure._floor import Floor
 from viewgain.measure._range_image import RangeImage
 
@@ -59,12 +59,12 @@ def _on_jump(ranges: Image) -> Mask:
     jump = np.zeros(ranges.shape, dtype=bool)
     with np.errstate(invalid="ignore"):
         for axis in (0, 1):
-            step: Array = np.abs(np.diff(ranges, axis=axis)) > _JUMP + 0.02 * np.minimum(
+            step = np.abs(np.diff(ranges, axis=axis)) > _JUMP + 0.02 * np.minimum(
                 np.take(ranges, range(1, ranges.shape[axis]), axis), np.take(ranges, range(ranges.shape[axis] - 1), axis)
             )
             first = [slice(None)] * 2
             second = [slice(None)] * 2
             first[axis], second[axis] = slice(None, -1), slice(1, None)
-            jump[tuple(first)] |= step.astype(bool)
-            jump[tuple(second)] |= step.astype(bool)
+            jump[tuple(first)] |= step
+            jump[tuple(second)] |= step
     return jump

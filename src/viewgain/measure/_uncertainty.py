@@ -72,7 +72,7 @@ def knowledge(fit: Fit) -> Knowledge:
         information += added
         systematic += shared
     factors = [correlation_factor(e, v.pixels) for e, v in zip(fit.evaluations, fit.views, strict=True)]
-    return Knowledge(information, systematic, float(np.mean(factors)))
+    return Knowledge(information, systematic, float(np.mean(np.array(factors))))
 
 
 def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Array, edge_sd_px: float) -> Array:
@@ -110,7 +110,7 @@ def correlation_factor(evaluation: Evaluation, pixels: Pixels) -> float:
     full = count >= _MIN_BLOCK
     if full.sum() < 5:
         return 1.0
-    return float(max(1.0, np.mean(mean[full] ** 2 * count[full])))
+    return max(1.0, float(np.mean(mean[full] ** 2 * count[full])))
 
 
 def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut: bool) -> Interval:

@@ -72,7 +72,7 @@ def belief_from(estimate: BoxEstimate) -> Belief:
 
 
 def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Belief:
-    """Return the belief about an object that could not be measured: its bounding box on the floor, each number known to a third."""
+    """Return the belief about an object that could not be measured: its bounding box, each number known to a third."""
     assert current.floor is not None
     placing = floor_to_camera(current.floor.plane)
     corners = blob.centre + blob.spread * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])

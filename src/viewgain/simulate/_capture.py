@@ -1,4 +1,4 @@
-"""A depth camera looks at boxes on a floor: true ranges by the slab test, then the sensor's noise and losses, each from one seed."""
+"""A depth camera looks at boxes on a floor: true ranges by the slab test, then the sensor's noise and losses."""
 
 import numpy as np
 from scipy import ndimage
@@ -48,7 +48,7 @@ def capture(
 
 
 def miscalibrated(scan: Scan, *, scale: float, offset: float) -> Scan:
-    """Return the scan as a camera with a relative range error ``scale`` and a constant one ``offset`` (metres) would report it."""
+    """Return the scan as a camera with a relative range error ``scale`` and a constant ``offset`` (metres) reports it."""
     distance = np.linalg.norm(scan.points, axis=1, keepdims=True)
     points = scan.points * (1 + scale + offset / distance)
     image = np.full((int(np.prod(scan.shape or (0,))), 3), np.nan)

@@ -1,0 +1,76 @@
+"""``viewgain next`` as a user runs it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from viewgain.cli import main
+
+FIRST_KEYS = {"schema", "rig", "objective", "policy", "current", "candidates", "best", "stop"}
+KEYS = FIRST_KEYS | {"p_within_tolerance", "tolerance", "confidence", "reason"}
+CANDIDATE_KEYS = {"index", "camera_to_current", "score", "volume_sigma_m3", "p_within_tolerance", "faces", "cut", "reachable"}
+
+
+def plan_of(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, object]:
+    assert main(["next", *arguments, "--json"]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    return json.loads(line)
+
+
+def test_json_has_every_documented_key(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = plan_of([str(scans / "one.png")], capsys)
+    assert set(plan) == KEYS
+    assert [set(candidate) for candidate in plan["candidates"]] == [CANDIDATE_KEYS] * 8
+    assert plan["candidates"][plan["best"]]["reachable"]
+
+
+def test_a_rig_of_ones_own_is_followed(scans: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rig = tmp_path / "mine.toml"
+    rig.write_text('name = "mine"\n[[view]]\nazimuth_deg = 90\ndistance_m = 0.8\n[[view]]\nelevation_deg = -20\n')
+    plan = plan_of([str(scans / "one.png"), "--rig", str(rig)], capsys)
+    assert plan["rig"] == "mine"
+    assert [candidate["reachable"] for candidate in plan["candidates"]] == [True, False]
+    assert plan["best"] == 0
+
+
+def test_two_posed_scans_are_fused_and_surer(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    one = plan_of([str(scans / "one.ply")], capsys)
+    poses = ["--pose", str(scans / "one_pose.txt"), str(scans / "two_pose.txt")]
+    both = plan_of([str(scans / "one.ply"), str(scans / "two.ply"), *poses], capsys)
+    assert both["current"]["boxes"][0]["volume_sigma_m3"] < one["current"]["boxes"][0]["volume_sigma_m3"]
+
+
+def test_a_tight_tolerance_keeps_going_and_a_wide_one_stops(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert not plan_of([str(scans / "one.png"), "--tolerance", "0.001"], capsys)["stop"]
+    assert plan_of([str(scans / "one.png"), "--tolerance", "0.2"], capsys)["stop"]
+
+
+def test_the_words_say_where_to_go_or_to_stop(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["next", str(scans / "one.png"), "--tolerance", "0.001"]) == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert "P(volume error < 0%)" in last or "View" in last
+
+
+def test_a_bare_floor_has_a_reason_and_exit_3(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["next", str(scans / "floor.npz"), "--json"]) == 3
+    plan = json.loads(capsys.readouterr().out)
+    assert plan["reason"] == "nothing_on_floor"
+    assert plan["candidates"] == []
+
+
+WRONG = [("--rig", "ring9"), ("--tolerance", "2"), ("--confidence", "0"), ("--rig", "none.toml")]
+
+
+@pytest.mark.parametrize(("option", "value"), WRONG)
+def test_bad_options_are_one_line_and_exit_2(option: str, value: str, scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["next", str(scans / "one.png"), option, value]) == 2
+    (error,) = capsys.readouterr().err.splitlines()[-1:]
+    assert value.strip("0.") in error or str(float(value)) in error
+
+
+def test_best_is_the_top_of_the_reachable_scores_up_to_a_tie(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = plan_of([str(scans / "one.png")], capsys)
+    scores = np.array([c["score"] for c in plan["candidates"] if c["reachable"]])
+    assert plan["candidates"][plan["best"]]["score"] >= scores.max() - 0.0101
