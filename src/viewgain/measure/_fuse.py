@@ -8,16 +8,19 @@ from viewgain.arrays import Array, Pose
 from viewgain.box import Box, adjoint
 from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
-from viewgain.geometry import inverse, transform
-from viewgain.measure._fit import COARSE, FINE, View, refine
+from viewgain.geometry import inverse, pose, transform
+from viewgain.measure._fit import COARSE, FINE, Fit, View, refine
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._measure import measure, with_uncertainty
+from viewgain.measure._pixels import thinned
 from viewgain.measure._quality import FaceView, Quality, face_views, on_faces
 from viewgain.measure._result import BoxEstimate, Measurement
 from viewgain.scans import Scan
 
 POSE_SIGMA = (0.003, float(np.deg2rad(0.3)))
 """Default standard deviation of a camera pose per axis: 3 mm and 0.3 degrees, a small robot arm with a hand-eye calibration."""
+
+_COARSE_PIXELS = 1500
 
 
 def fuse(
@@ -30,7 +33,8 @@ def fuse(
     """Measure the boxes that several scans with known poses show, all views together.
 
     Each scan is measured alone; estimates of the same box (centres within half its size in the world) are then refined
-    jointly on all their pixels, with six pose corrections per further view held by ``pose_sigma``.
+    jointly on all their pixels, with six pose corrections per further view held by ``pose_sigma``. Objects that one scan alone
+    leaves unbounded (``cut_by_border``) take part: together they may be bounded.
 
     Args:
         scans: At least one scan, each with ``camera_to_world``; the last is the camera as it stands.
@@ -60,11 +64,17 @@ def fuse_measurements(results: list[Measurement], *, pose_sigma: tuple[float, fl
     if len(results) == 1:
         return last
     worlds = [result.world for result in results]
-    groups = _same_boxes(results, worlds)
-    boxes = tuple(_fused(group, worlds, pose_sigma) for group in groups)
-    boxes = tuple(sorted(boxes, key=lambda box: -box.quality.returns))
+    known = {id(box) for result in results for box in result.boxes}
+    groups = [(group, _fused(group, worlds, pose_sigma)) for group in _same_boxes(results, worlds)]
+    measured = [box for group, box in groups if any(id(b) in known for b in group.values()) or _settled(group, box)]
+    boxes = tuple(sorted(measured, key=lambda box: -box.quality.returns))
     names = tuple(name for result in results for name in result.scans)
     return replace(last, scans=names, boxes=boxes, reason=None if boxes else last.reason)
+
+
+def _settled(group: dict[int, BoxEstimate], fused: BoxEstimate) -> bool:
+    """Return whether scans that each left a box unbounded bound it together: one of them at least shows its whole outline."""
+    return len(group) > 1 and not any(fused.is_open) and not fused.quality.cut
 
 
 def pose_precision(camera_to_box: Pose, reference_to_box: Pose, pose_sigma: tuple[float, float]) -> Array:
@@ -85,7 +95,7 @@ def _same_boxes(results: list[Measurement], worlds: list[Pose]) -> list[dict[int
     """Return the estimates grouped by box: each group maps the index of a scan to its estimate."""
     groups: list[dict[int, BoxEstimate]] = []
     for index, result in enumerate(results):
-        for box in result.boxes:
+        for box in result.candidates:
             centre = transform(worlds[index], box.box.centre)
             for group in groups:
                 first = next(iter(group))
@@ -104,11 +114,12 @@ def _fused(group: dict[int, BoxEstimate], worlds: list[Pose], pose_sigma: tuple[
     best = min(
         group, key=lambda index: (any(group[index].is_open), group[index].quality.cut, np.trace(group[index].covariance[6:, 6:]))
     )
-    start = group[best].box.in_frame(inverse(reference_to_world) @ worlds[best])
+    alone = {index: estimate.box.in_frame(inverse(reference_to_world) @ worlds[index]) for index, estimate in group.items()}
+    start = alone[best]
     if len(group) == 1:
         return replace(group[best], box=start)
     views = tuple(_placed(group[index].views[0], worlds[index], reference_to_world, start, pose_sigma) for index in group)
-    fit = refine(start, views, (*COARSE[1:], *FINE), 8)
+    fit = _joint_fit([*alone.values(), _around(start, list(alone.values()))], views)
     seen = [
         _faces(view, view.sees(fit.box, c), e) for view, e, c in zip(fit.views, fit.evaluations, fit.corrections, strict=True)
     ]
@@ -121,6 +132,21 @@ def _fused(group: dict[int, BoxEstimate], worlds: list[Pose], pose_sigma: tuple[
         cut=all(part.cut for part in parts),
     )
     return with_uncertainty(fit, quality, touching=any("touching" in estimate.flags for estimate in group.values()))
+
+
+def _joint_fit(starts: list[Box], views: tuple[View, ...]) -> Fit:
+    """Return the box of greatest likelihood in all views, from the best of several starts."""
+    few = tuple(view.with_pixels(thinned(view.pixels, _COARSE_PIXELS)) for view in views)
+    rough = max((refine(start, few, COARSE, 5) for start in starts), key=lambda fit: fit.value)
+    return refine(rough.box, views, FINE, 8)
+
+
+def _around(box: Box, boxes: list[Box]) -> Box:
+    """Return ``box`` grown to cover ``boxes`` too: each scan may have seen another end of a box that all of them cut."""
+    corners = np.concatenate([transform(inverse(box.box_to_camera), other.corners()) for other in boxes])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle = np.array([*(low[:2] + high[:2]) / 2, 0.0])
+    return Box(box.box_to_camera @ pose(np.eye(3), middle), np.array([*(high[:2] - low[:2]), high[2]]))
 
 
 def _placed(view: View, camera_to_world: Pose, reference_to_world: Pose, box: Box, pose_sigma: tuple[float, float]) -> View:

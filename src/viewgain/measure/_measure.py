@@ -1,6 +1,6 @@
 """From one scan to measured boxes: the whole method, one step per line."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,16 @@ _COARSE_PIXELS = 1200
 _FINE_PIXELS = 2000
 _FINAL_PIXELS = 12000
 _POLL_PX = 3.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Refusal:
+    """Why an object is not reported as a box, and the box it would have been."""
+
+    reason: str
+    """A key of :data:`viewgain.measure.REASONS`."""
+    estimate: BoxEstimate | None = None
+    """The fit, where the object is a box but too little of it is seen."""
 
 
 def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | None = None) -> Measurement:
@@ -88,10 +98,10 @@ def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bo
 
 def _estimate(
     image: RangeImage, floor: Floor, own: Mask, other: Mask, model: Sensor, *, noise_known: bool
-) -> tuple[BoxEstimate | str, list[Mask]]:
+) -> tuple[BoxEstimate | Refusal, list[Mask]]:
     """Return the box fitted to one object, or the reason against it, and the parts of the object that are not this box."""
     if own.sum() < MIN_PIXELS:
-        return "too_few_points", []
+        return Refusal("too_few_points"), []
     fit = _fit(image, floor, own, other, model, noise_known=noise_known)
     parts = leftover(own, image, fit.box)
     rest = np.logical_or.reduce([np.zeros_like(own), *parts])
@@ -126,21 +136,21 @@ def noise_of(fit: Fit, *, noise_known: bool) -> float:
     return max(estimate_noise(fit)[0], 1.0 if noise_known else 0.0)
 
 
-def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: bool) -> BoxEstimate | str:
+def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: bool) -> BoxEstimate | Refusal:
     """Return the finished estimate, or the reason why the object is not reported as a box."""
     evaluation, view = fit.evaluations[0], fit.views[0]
     sigma = floor.noise * view.sensor.range_sigma(evaluation.hits.ranges, evaluation.hits.cosine)
     quality = assess(fit.box, evaluation, view.pixels, image, own, sigma)
     if quality.returns < MIN_PIXELS:
-        return "too_few_points"
+        return Refusal("too_few_points")
     if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):
-        return "not_a_box"
+        return Refusal("not_a_box")
     estimate = with_uncertainty(fit, quality, touching=touching)
     if {"open", "cut"} & set(estimate.flags) and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
-        return "too_few_points"
+        return Refusal("too_few_points", estimate)
     unbounded = sum(estimate.is_open)
     if unbounded == 3 or (quality.cut and (unbounded == 2 or (quality.faces_seen == 1 and unbounded))):
-        return "cut_by_border"
+        return Refusal("cut_by_border", estimate)
     return estimate
 
 
@@ -153,7 +163,7 @@ def with_uncertainty(fit: Fit, quality: Quality, *, touching: bool) -> BoxEstima
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
 
 
-def _rejected(reason: str, image: RangeImage, own: Mask) -> Rejected:
+def _rejected(refusal: Refusal, image: RangeImage, own: Mask) -> Rejected:
     points = image.points[own]
     low, high = np.quantile(points, [0.02, 0.98], axis=0)
-    return Rejected(reason, len(points), points.mean(axis=0), (high - low) / 2)
+    return Rejected(refusal.reason, len(points), points.mean(axis=0), (high - low) / 2, refusal.estimate)

@@ -153,6 +153,8 @@ class Rejected:
     """(3,) mean of its points, metres, camera frame."""
     spread: Vector3
     """(3,) half-extent of its points, metres, camera frame axes."""
+    estimate: BoxEstimate | None = None
+    """The box that was fitted to it, where it is a box but too little of it is seen; for planning the next view."""
 
     def to_dict(self) -> dict[str, object]:
         """Return the JSON form (docs/json.md)."""
@@ -177,6 +179,11 @@ class Measurement:
     """Pose of the (last) scan's camera, where it was given."""
     notes: tuple[str, ...] = ()
     """What the reader decided about the scans, for the user to check."""
+
+    @property
+    def candidates(self) -> tuple[BoxEstimate, ...]:
+        """The boxes, and the rejected objects that would be boxes if more of them were seen."""
+        return (*self.boxes, *(rejected.estimate for rejected in self.rejected if rejected.estimate is not None))
 
     @property
     def world(self) -> Pose:

@@ -15,8 +15,8 @@ from viewgain.camera import Sensor
 from viewgain.geometry import floor_to_camera, inverse, pose
 from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, BoxEstimate, Knowledge, Measurement, Rejected
 
-SPREAD = 5
-"""Number of boxes that stand for each open dimension."""
+SPREAD = (1, 5, 3, 2)
+"""Number of boxes that stand for each open dimension, by how many are open."""
 TYPICAL_EXTENT = 1.2
 """An open dimension is taken to be at most this long, metres, unless it is already longer."""
 
@@ -56,13 +56,15 @@ def belief_from(estimate: BoxEstimate) -> Belief:
     """Return the belief after measuring a box: one box, or several where dimensions are open."""
     boxes = [estimate.box]
     ridge_of = np.linalg.inv(estimate.knowledge.information + LOOSE_PRIOR)
-    for axis in np.flatnonzero(estimate.is_open):
+    axes = np.flatnonzero(estimate.is_open)
+    steps = (np.arange(SPREAD[len(axes)]) + 0.5) / SPREAD[len(axes)]
+    for axis in axes:
         interval = estimate.intervals[axis]
         value = estimate.box.extents[axis]
         low = max(interval.low, PRIOR_EXTENT[0])
         high = interval.high if np.isfinite(interval.high) else max(TYPICAL_EXTENT, 1.5 * low)
         ridge = ridge_of[:, 6 + axis] / ridge_of[6 + axis, 6 + axis]
-        lengths = np.exp(np.log(low) + (np.arange(SPREAD) + 0.5) / SPREAD * np.log(max(high / low, 1.01)))
+        lengths = low * max(high / low, 1.01) ** steps
         boxes = [box.moved(ridge * (length - value)) for length in lengths for box in boxes]
     boxes = [Box(box.box_to_camera, np.maximum(box.extents, 0.01)) for box in boxes]
     view = estimate.views[0]

@@ -17,6 +17,8 @@ from viewgain.scans import Scan
 
 SCHEMA = 1
 """Version of the JSON form; it grows by new keys only."""
+STAYING = 0.05
+"""A candidate nearer to the present camera than this is the present place, metres."""
 INDIFFERENT = 0.01
 """Of candidates whose scores lie this close together, the nearest is taken."""
 
@@ -156,7 +158,7 @@ def next_view(
         Candidate(index, pose, assessment, _reachable(pose, believed, stations))
         for index, (pose, assessment) in enumerate(zip(poses, assessments, strict=True))
     )
-    best = _best(candidates)
+    best = _best(candidates, settle=believed.bounded)
     chance = outlook(believed, tolerance).within_tolerance
     stop = believed.bounded and chance > confidence
     reason = "no_reachable_view" if best is None else None
@@ -179,9 +181,10 @@ def _measured(
 def _belief(measured: Measurement, sensor: Sensor) -> Belief | None:
     if measured.boxes:
         return belief_from(measured.boxes[0])
-    if measured.rejected:
-        return belief_from_blob(measured.rejected[0], measured, sensor)
-    return None
+    if not measured.rejected:
+        return None
+    blob = measured.rejected[0]
+    return belief_from_blob(blob, measured, sensor) if blob.estimate is None else belief_from(blob.estimate)
 
 
 def _reachable(camera_to_current: Array, belief: Belief, stations: Rig) -> bool:
@@ -189,10 +192,15 @@ def _reachable(camera_to_current: Array, belief: Belief, stations: Rig) -> bool:
     return height >= stations.min_height and distance >= max(stations.min_distance, belief.sensor.range_min)
 
 
-def _best(candidates: tuple[Candidate, ...]) -> int | None:
-    """Return the reachable candidate with the best score, the nearest of those within a hair of it."""
+def _best(candidates: tuple[Candidate, ...], *, settle: bool) -> int | None:
+    """Return the reachable candidate with the best score, the nearest of those within a hair of it.
+
+    Where a dimension is still open (not ``settle``) the present place is no answer to a tie: it has just failed to show it.
+    """
     reachable = [candidate for candidate in candidates if candidate.reachable]
     if not reachable:
         return None
     top = max(candidate.assessment.score for candidate in reachable)
-    return min((c for c in reachable if c.assessment.score >= top - INDIFFERENT), key=lambda c: c.travel).index
+    tied = [candidate for candidate in reachable if candidate.assessment.score >= top - INDIFFERENT]
+    elsewhere = [candidate for candidate in tied if candidate.travel > STAYING]
+    return min(tied if settle or not elsewhere else elsewhere, key=lambda candidate: candidate.travel).index
