@@ -22,7 +22,10 @@ def test_points_of_a_plane_give_it_back_with_the_origin_above(rotvec: np.ndarray
 
 def test_the_fit_is_the_least_squares_one() -> None:
     rng = np.random.default_rng(3)
-    points = np.column_stack([rng.uniform(-1, 1, (200, 2)), 2 + 0.1 * rng.normal(size=200)]) @ rotation_from_rotvec(np.array([0.4, 0.2, 0])).T
+    points = (
+        np.column_stack([rng.uniform(-1, 1, (200, 2)), 2 + 0.1 * rng.normal(size=200)])
+        @ rotation_from_rotvec(np.array([0.4, 0.2, 0])).T
+    )
     plane = fit_plane(points)
     best = np.sum(plane.height(points) ** 2)
     for _ in range(100):

@@ -9,7 +9,14 @@ from scipy.spatial.transform import Rotation
 
 from viewgain.errors import ConfigError
 from viewgain.geometry import (
-    cross_matrix, inverse, look_at, nearest_rotation, pose, require_rigid, rotation_from_rotvec, transform,
+    cross_matrix,
+    inverse,
+    look_at,
+    nearest_rotation,
+    pose,
+    require_rigid,
+    rotation_from_rotvec,
+    transform,
 )  # fmt: skip
 
 ROUNDING = 1e-12

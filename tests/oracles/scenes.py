@@ -21,7 +21,9 @@ WELL_SEEN = SceneRanges(extent=(0.15, 0.45), elevation_deg=(28.0, 50.0), distanc
 """Scenes in which nothing is cut or open: a box well inside the image, its top well in view."""
 
 
-def corner_view(box: Box, *, azimuth_deg: float = 45.0, elevation_deg: float = 35.0, distance: float = 1.2, roll_deg: float = 0.0) -> Array:
+def corner_view(
+    box: Box, *, azimuth_deg: float = 45.0, elevation_deg: float = 35.0, distance: float = 1.2, roll_deg: float = 0.0
+) -> Array:
     """Return camera_to_world of a camera aimed at a box's centre; azimuth counts from the box's own +x side."""
     forward = box.box_to_camera[:3, 0]
     azimuth = float(np.arctan2(forward[1], forward[0])) + np.deg2rad(azimuth_deg)

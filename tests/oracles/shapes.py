@@ -18,7 +18,9 @@ def sphere(radius: float) -> Shape:
     centre = np.array([0.0, 0.0, radius])
 
     def cast(origin: Array, rays: Array) -> Array:
-        return _nearest(np.ones(len(rays)), rays @ (origin - centre), np.full(len(rays), (origin - centre) @ (origin - centre) - radius**2))
+        return _nearest(
+            np.ones(len(rays)), rays @ (origin - centre), np.full(len(rays), (origin - centre) @ (origin - centre) - radius**2)
+        )
 
     return cast
 

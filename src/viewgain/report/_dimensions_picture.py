@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from viewgain.report._style import FAINT, FIT, GRID, INK, NORMAL, SMALL, halo, legend_below, new_figure, plain_axes
+from viewgain.report._colours import FAINT, FIT, GRID, INK, NORMAL, SMALL
+from viewgain.report._style import halo, key, legend_below, new_figure, plain_axes
 from viewgain.report._truth import SIDES, Compared
 from viewgain.report._units import Unit
 
@@ -34,21 +34,15 @@ def dimensions_figure(steps: Sequence[tuple[Compared, ...]], truths: Sequence[fl
         axes.set_title(name, loc="left", fontsize=NORMAL + 1, fontweight="bold", color=INK, pad=5)
         axes.set_title(f"truth {units[index].number(truths[index])}", loc="right", fontsize=SMALL, color=TRUE, pad=5)
     handles = [
-        Line2D([], [], marker="o", linestyle="", color=FIT, markersize=4, label="estimate with 90 % interval"),
-        Line2D([], [], color=TRUE, linewidth=1.2, label="truth"),
+        key("estimate with 90 % interval", marker="o", linestyle="", color=FIT, markersize=4),
+        key("truth", color=TRUE, linewidth=1.2),
     ]
     if "bound" in signs:
-        handles.append(
-            Line2D([], [], marker="^", linestyle="", color=FIT, markerfacecolor="white", markersize=5, label="lower bound")
-        )
+        handles.append(key("lower bound", marker="^", linestyle="", color=FIT, markerfacecolor="white", markersize=5))
     if "beyond" in signs:
-        handles.append(
-            Line2D(
-                [], [], marker="^", linestyle="", color=FIT, markersize=5, label="goes on outside the panel, or nothing bounds it"
-            )
-        )
+        handles.append(key("goes on outside the panel, or nothing bounds it", marker="^", linestyle="", color=FIT, markersize=5))
     if not all(steps):
-        handles.append(Line2D([], [], marker="x", linestyle="", color=FAINT, markersize=5, label="not measured"))
+        handles.append(key("not measured", marker="x", linestyle="", color=FAINT, markersize=5))
     legend_below(figure, handles, len(handles))
     return figure
 
@@ -76,51 +70,44 @@ def _draw_panel(axes: Axes, rows: Sequence[Compared | None], truth: float, unit:
 
 def _draw_interval(axes: Axes, number: int, row: Compared, unit: Unit, span: tuple[float, float]) -> set[str]:
     """Draw one estimate; ends beyond the panel become arrow heads, an estimate beyond it is written as a number."""
-    signs: set[str] = set()
     low, high = span
+    signs: set[str] = set()
     bottom, top = max(row.low, low), high if row.high is None else min(row.high, high)
     if bottom < top:
-        axes.plot(
-            [number, number],
-            [bottom * unit.per_metre, top * unit.per_metre],
-            color=FIT,
-            linewidth=1.4,
-            solid_capstyle="butt",
-            zorder=3,
-        )
-    for end, cut, head in ((row.low, row.low < low, "v"), (row.high, row.high is None or row.high > high, "^")):
-        if cut:
+        ends = (bottom * unit.per_metre, top * unit.per_metre)
+        axes.plot([number, number], ends, color=FIT, linewidth=1.4, solid_capstyle="butt", zorder=3)
+    for end, beyond, edge, head in (
+        (row.low, row.low < low, 0.0, "v"),
+        (row.high, row.high is None or row.high > high, 1.0, "^"),
+    ):
+        if beyond:
             signs.add("beyond")
-            axes.plot(
-                number,
-                0.0 if head == "v" else 1.0,
-                head,
-                color=FIT,
-                markersize=5,
-                clip_on=False,
-                transform=axes.get_xaxis_transform(),
-                zorder=4,
-            )
+            place = axes.get_xaxis_transform()
+            axes.plot(number, edge, head, color=FIT, markersize=5, clip_on=False, zorder=4, transform=place)
         elif end is not None:
             axes.plot(number, end * unit.per_metre, "_", color=FIT, markersize=7, markeredgewidth=1.4, zorder=3)
     if low <= row.value <= high:
         signs |= {"bound"} if row.is_open else set()
-        face = "white" if row.is_open else FIT
-        axes.plot(
-            number,
-            row.value * unit.per_metre,
-            "^" if row.is_open else "o",
-            color=FIT,
-            markerfacecolor=face,
-            markersize=5,
-            zorder=5,
-        )
+        sign, face = ("^", "white") if row.is_open else ("o", FIT)
+        axes.plot(number, row.value * unit.per_metre, sign, color=FIT, markerfacecolor=face, markersize=5, zorder=5)
     else:
-        text = f"{'≥ ' if row.is_open else ''}{unit.number(row.value)}"
-        aside, place = (6, "left") if number == 1 else (-6, "right")
-        axes.annotate(text, (number, 0.08 if row.value < low else 0.92), (aside, 0), xycoords=axes.get_xaxis_transform(), textcoords="offset points",
-                      fontsize=SMALL, color=INK, ha=place, va="center", path_effects=halo(), zorder=6)  # fmt: skip
+        _write_value(axes, number, row, unit, 0.08 if row.value < low else 0.92)
     return signs
+
+
+def _write_value(axes: Axes, number: int, row: Compared, unit: Unit, height: float) -> None:
+    """Write an estimate beside its bar, at a share of the panel's height."""
+    aside, place = (6, "left") if number == 1 else (-6, "right")
+    text = axes.annotate(
+        f"{'≥ ' if row.is_open else ''}{unit.number(row.value)}",
+        (number, height),
+        (aside, 0),
+        xycoords=axes.get_xaxis_transform(),
+        textcoords="offset points",
+        horizontalalignment=place,
+        verticalalignment="center",
+    )
+    text.set(fontsize=SMALL, color=INK, path_effects=halo(), zorder=6)
 
 
 def _span(rows: Sequence[Compared | None], truth: float) -> tuple[float, float]:

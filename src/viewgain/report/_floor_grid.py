@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from viewgain.arrays import Array, Mask, Points, Vector3
-from viewgain.report._style import FAINT, GRID, SMALL
+from viewgain.report._colours import FAINT, GRID, SMALL
+from viewgain.report._style import write
 from viewgain.report._viewpoint import Viewpoint
 
 _STEPS = (0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0)
@@ -41,6 +42,17 @@ class Floor:
         inside = np.all((points[:, :2] > self.low) & (points[:, :2] < self.high), axis=1)
         return np.asarray(inside & (points[:, 2] < self.top))
 
+    def width_from(self, view: Viewpoint) -> float:
+        """Return its width in the picture, metres."""
+        corners = np.array([[x, y, 0.0] for x in (self.low[0], self.high[0]) for y in (self.low[1], self.high[1])])
+        return float(np.ptp(view.picture(corners)[:, 0]))
+
+    def upright(self, view: Viewpoint) -> Points:
+        """Return the (2, 3) ends of the upright scale: on the corner that is farthest to the left."""
+        corners = np.array([[x, y, self.z] for x in (self.low[0], self.high[0]) for y in (self.low[1], self.high[1])])
+        foot = corners[np.argmin(view.picture(corners)[:, 0])]
+        return np.array([foot, [*foot[:2], self.top]])
+
     def ticks(self, axis: int) -> Array:
         """Return the marks along x (0) or y (1)."""
         return np.arange(round(self.low[axis] / self.step), round(self.high[axis] / self.step) + 1) * self.step
@@ -71,31 +83,25 @@ def _draw_marks(axes: Axes, floor: Floor, view: Viewpoint, axis: int) -> None:
     place[across] = near
     for tick in floor.ticks(axis)[1:-1]:
         place[axis] = tick
-        axes.text(
-            *view.picture(place + 0.18 * floor.step * outward),
-            _number(tick),
-            fontsize=SMALL - 1,
-            color=FAINT,
-            ha=sideways,
-            va="top",
-        )
+        where = view.picture(place + 0.18 * floor.step * outward)
+        write(axes, where, _number(tick), fontsize=SMALL - 1, color=FAINT, ha=sideways, va="top")
     place[axis] = (floor.low + floor.high)[axis] / 2
     name = f"{'xy'[axis]}, metres"
-    axes.text(*view.picture(place + 0.95 * floor.step * outward), name, fontsize=SMALL, color=FAINT, ha=sideways, va="top")
+    write(axes, view.picture(place + 0.95 * floor.step * outward), name, fontsize=SMALL, color=FAINT, ha=sideways, va="top")
 
 
 def _draw_upright(axes: Axes, floor: Floor, view: Viewpoint) -> None:
     """Draw the z scale at the floor's leftmost corner."""
-    corners = np.array([[x, y, floor.z] for x in (floor.low[0], floor.high[0]) for y in (floor.low[1], floor.high[1])])
-    foot = corners[np.argmin(view.picture(corners)[:, 0])]
+    foot = floor.upright(view)[0]
     ticks = np.arange(np.ceil(floor.z / floor.step + 0.3), round(floor.top / floor.step) + 1) * floor.step
-    axes.plot(*view.picture(np.array([foot, [*foot[:2], floor.top]])).T, color=FAINT, linewidth=0.7, zorder=0.2)
+    axes.plot(*view.picture(floor.upright(view)).T, color=FAINT, linewidth=0.7, zorder=0.2)
     for tick in ticks:
         u, v = view.picture(np.array([*foot[:2], tick]))
         axes.plot([u - 0.08 * floor.step, u], [v, v], color=FAINT, linewidth=0.7, zorder=0.2)
-        axes.text(u - 0.15 * floor.step, v, _number(tick), fontsize=SMALL - 1, color=FAINT, ha="right", va="center")
+        write(axes, np.array([u - 0.15 * floor.step, v]), _number(tick), fontsize=SMALL - 1, color=FAINT, ha="right", va="center")
     u, v = view.picture(np.array([*foot[:2], floor.top + 0.35 * floor.step]))
-    axes.text(u, v, "z, metres", fontsize=SMALL, color=FAINT, ha="center", va="bottom")
+    axes.update_datalim([(u, v + 0.5 * floor.step)])
+    write(axes, np.array([u, v]), "z, metres", fontsize=SMALL, color=FAINT, ha="center", va="bottom")
 
 
 def _number(value: float) -> str:

@@ -11,6 +11,7 @@ from viewgain.errors import ConfigError
 from viewgain.geometry import inverse
 from viewgain.measure import Measurement
 from viewgain.plan import NextView
+from viewgain.report._embedded import OVERVIEW, range_file, scene_file
 from viewgain.report._extra import require_extra
 from viewgain.report._files import make_folder, to_json, write_whole
 from viewgain.report._numbers import numbers
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def write_report(episode: Episode, folder: Path) -> Path:
-    """Write a report of a closed loop: pictures, ``numbers.json`` and ``index.html``, which holds all pictures and needs no network.
+    """Write a report of a closed loop: pictures, ``numbers.json`` and ``index.html``, which needs nothing but itself.
 
     Files are written one by one, each whole or not at all, the page last; older files of the same names are replaced.
 
@@ -75,7 +76,7 @@ def save_scan_picture(scan: Scan, measurement: Measurement, path: Path, next_vie
     from viewgain.report._style import side_by_side, to_png
 
     figures = [draw_scan(scan, measurement, sizes=True)]
-    if next_view is not None:
+    if next_view is not None and next_view.candidates:
         figures.append(draw_scene(scan, measurement, next_view, heading="Where next?"))
     write_whole(path, side_by_side([to_png(figure) for figure in figures]))
     return path
@@ -134,19 +135,20 @@ def _pictures(episode: Episode) -> dict[str, bytes]:
     """Return name and content of every picture of an episode; all views in space are seen from one place."""
     from viewgain.report._dimensions_picture import dimensions_figure
     from viewgain.report._range_picture import range_figure
-    from viewgain.report._scene_picture import scene_figure, viewpoint
+    from viewgain.report._scene import viewpoint
+    from viewgain.report._scene_picture import scene_figure
     from viewgain.report._style import to_png
 
     truth, steps = episode.world.box, episode.steps
     view = viewpoint(steps[0].fused, steps[0].plan)
     rows = [compared(step.fused, truth) for step in steps]
     truths, units = [*true_dimensions(truth), truth.volume], [*[MILLIMETRES] * 3, volume_unit(truth.volume)]
-    pngs = {"dimensions.png": to_png(dimensions_figure(rows, truths, units))}
+    pngs = {OVERVIEW: to_png(dimensions_figure(rows, truths, units))}
     for number, step in enumerate(steps, start=1):
-        name, own = f"view{number}", truth.in_frame(inverse(step.fused.world))
+        own = truth.in_frame(inverse(step.fused.world))
         earlier = [before.fused.world for before in steps[: number - 1]]
-        pngs[f"{name}_range.png"] = to_png(range_figure(step.scan, step.fused, truth=own, heading=f"View {number}"))
-        pngs[f"{name}_scene.png"] = to_png(
+        pngs[range_file(number)] = to_png(range_figure(step.scan, step.fused, truth=own, heading=f"View {number}"))
+        pngs[scene_file(number)] = to_png(
             scene_figure(
                 step.scan, step.fused, step.plan, truth=truth, earlier=earlier, view=view, heading=f"View {number}: where next?"
             )

@@ -1,4 +1,4 @@
-"""How every picture of this room looks: colours that colour-blind readers tell apart, sizes, and the way to PNG.
+"""How every picture of this room is drawn: figures, lines, texts, legends, and the way to PNG.
 
 Figures are made without pyplot and without global settings, so drawing changes nothing for the program around it.
 """
@@ -8,38 +8,23 @@ from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import AbstractPathEffect, Stroke, withStroke
 from matplotlib.patheffects import Normal as Plain
 from PIL import Image as Pillow
 
-FIT = "#d55e00"
-"""The fitted box (vermilion of Okabe and Ito's set, as the next ones)."""
-TRUTH = "#ffffff"
-"""The true box: white dashes with a black rim, which show on every ground."""
-ON_BOX = "#0072b2"
-"""Returns on the box."""
-ON_FLOOR = "#b4b8bd"
-"""Returns on the floor and elsewhere."""
-INK = "#22262b"
-"""Text."""
-FAINT = "#6b7280"
-"""Text and lines of lesser weight; still 4.8 to 1 on white."""
-GRID = "#dfe3e8"
-"""Lines of the floor and of diagrams."""
-MISSING = "#e3e5e8"
-"""Pixels without a return."""
-SMALL, NORMAL, LARGE = 7.0, 8.0, 9.5
-"""Font sizes, points, in figures of that width."""
+from viewgain.arrays import Array
+from viewgain.report._colours import FAINT, INK, LARGE, MISSING, NORMAL, SMALL, TRUTH
+
 WIDTH = 5.4
 """Of a figure, inches."""
+AXES_WIDTH = 4.35
+"""Of the part of a figure between colour bar and left border, inches."""
 DOTS_PER_INCH = 200
-HIDDEN_DASHES = (0, (1.8, 1.5))
-"""Edges of the fitted box that it hides itself."""
 
 
 def new_figure(width: float = WIDTH, height: float = 4.0) -> Figure:
@@ -49,19 +34,11 @@ def new_figure(width: float = WIDTH, height: float = 4.0) -> Figure:
     return figure
 
 
-def fit_height(figure: Figure, axes: Axes, details: int = 0) -> None:
-    """Give a figure whose axes have equal scales, a colour bar, ``details`` lines under the title and a legend the height it needs."""
+def fit_height(figure: Figure, axes: Axes, *, legend_rows: int, details: int = 0) -> None:
+    """Give a figure with one picture of equal scales the height it needs with its title, ``details`` lines and legend."""
     width, height = (abs(high - low) for low, high in (axes.get_xlim(), axes.get_ylim()))
-    legends = max((len(legend.get_texts()) / getattr(legend, "_ncols", 1) for legend in figure.legends), default=0)
-    names = 0.4 if axes.axison else 0.0
-    figure.set_figheight(
-        0.46
-        + 0.153 * details
-        + names
-        + 0.17 * np.ceil(legends)
-        + 0.1
-        + (4.1 if axes.axison else 4.35) * min(height / width, 1.25)
-    )
+    names, wide = (0.4, AXES_WIDTH - 0.25) if axes.axison else (0.0, AXES_WIDTH)
+    figure.set_figheight(0.56 + names + 0.17 * legend_rows + 0.153 * details + wide * min(height / width, 1.25))
 
 
 def to_png(figure: Figure) -> bytes:
@@ -118,6 +95,16 @@ def true_line() -> dict[str, Any]:
     }
 
 
+def write(axes: Axes, place: Array, text: str, **style: Any) -> None:
+    """Write a text at (2,) ``place``."""
+    axes.text(float(place[0]), float(place[1]), text, **style)
+
+
+def dots(axes: Axes, places: Array, size: float, colour: str, **style: Any) -> None:
+    """Draw a dot of ``size`` square points at each of (..., 2) ``places``."""
+    axes.scatter(places[..., 0], places[..., 1], s=size, color=colour, **style)
+
+
 def plain_axes(axes: Axes, x_label: str, y_label: str) -> None:
     """Give axes labels, small ticks and a light frame."""
     axes.set_xlabel(x_label, fontsize=NORMAL, color=FAINT)
@@ -150,9 +137,22 @@ def colour_bar(figure: Figure, mappable: Any, axes: Axes, label: str, **settings
     return bar
 
 
-def legend_below(figure: Figure, handles: list[Any], columns: int) -> None:
-    """Put the legend under the picture, where it hides nothing."""
+def key(label: str, **style: Any) -> Line2D:
+    """Return one line of a legend."""
+    return Line2D([], [], label=label, **style)
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], columns: int) -> int:
+    """Put the legend under the picture, where it hides nothing; return its number of rows."""
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False, labelcolor=INK,
-        handlelength=2.4, columnspacing=1.6, handletextpad=0.6,
-    )  # fmt: skip
+        handles=list(handles),
+        loc="outside lower center",
+        ncols=columns,
+        fontsize=SMALL,
+        frameon=False,
+        labelcolor=INK,
+        handlelength=2.4,
+        columnspacing=1.6,
+        handletextpad=0.6,
+    )
+    return -(-len(handles) // columns)

@@ -7,7 +7,7 @@ from viewgain.report._truth import Compared
 from viewgain.report._units import MILLIMETRES, Unit, percent, probability
 
 FLAGS = {
-    "cut": "The outline leaves the image or touches its border: a side that runs out of the picture may be longer than what is seen.",
+    "cut": "The outline leaves the image or touches its border: a side that runs out of it may be longer than what is seen.",
     "open": "The scans do not bound every dimension: the open one is given as a lower bound.",
     "grazing": "A face is seen at more than 72° from head-on: its returns are few and noisy.",
     "bent": "A face is bent by more than 4 mm: a soft or bulging side, or light that bounced twice.",
@@ -22,6 +22,15 @@ NO_PLAN = {"no_reachable_view": "no candidate of the rig can be reached"}
 def size(rows: tuple[Compared, ...]) -> str:
     """Return length × width × height in millimetres."""
     return " × ".join(f"{'≥ ' if row.is_open else ''}{MILLIMETRES.number(row.value)}" for row in rows[:3]) + " mm"
+
+
+def size_with_sigma(estimate: BoxEstimate) -> str:
+    """Return the dimensions of a box in millimetres, each with its standard deviation or as a lower bound."""
+    words = []
+    for value, sigma, basis in zip(estimate.dimensions, estimate.sigma, estimate.basis, strict=True):
+        number = MILLIMETRES.number(value)
+        words.append(f"≥ {number}" if sigma is None or basis == "open" else f"{number} ± {MILLIMETRES.number(sigma)}")
+    return " × ".join(words) + " mm"
 
 
 def plus_minus(row: Compared, unit: Unit) -> str:
@@ -39,7 +48,7 @@ def off_truth(row: Compared) -> str:
 
 def measured_sentence(measurement: Measurement, rows: tuple[Compared, ...], number: int, volume: Unit) -> str:
     """Return what is known after view ``number``."""
-    views = "1 view" if number == 1 else f"{number} views"
+    views = views_in_words(number)
     if not rows:
         return f"After {views} no box is measured: {reason_in_words(measurement.reason)}."
     error = "" if rows[3].is_open else f", {off_truth(rows[3])}"
@@ -48,12 +57,10 @@ def measured_sentence(measurement: Measurement, rows: tuple[Compared, ...], numb
 
 def faces_sentence(estimate: BoxEstimate) -> str:
     """Return which faces were seen and at which angle."""
-    seen = [
-        f"{_face(face.name)} at {_degrees(face.incidence)} ({face.returns:,} returns)"
-        for face in estimate.quality.faces
-        if face.seen
-    ]
-    return f"Faces seen: {', '.join(seen) or 'none'}; 0° is head-on. The box explains {percent(estimate.quality.explained, 0)} of its returns."
+    faces = [face for face in estimate.quality.faces if face.seen]
+    seen = ", ".join(f"{_face(face.name)} at {_degrees(face.incidence)} ({face.returns:,} returns)" for face in faces)
+    share = percent(estimate.quality.explained, 0)
+    return f"Faces seen: {seen or 'none'}; 0° is head-on. The box explains {share} of its returns."
 
 
 def foretold_sentence(before: NextView, now: Measurement, volume: Unit) -> str | None:
@@ -63,7 +70,8 @@ def foretold_sentence(before: NextView, now: Measurement, volume: Unit) -> str |
         return None
     came = now.boxes[0].volume_sigma if now.boxes else None
     result = "nothing bounds it" if came is None else f"it is {volume.finer().number(came)} {volume.name}"
-    return f"The plan expected a standard deviation of the volume of {volume.finer().number(after.volume_sigma)} {volume.name} after this view; {result}."
+    expected = f"{volume.finer().number(after.volume_sigma)} {volume.name}"
+    return f"The plan expected a standard deviation of the volume of {expected} after this view; {result}."
 
 
 def decision_sentence(plan: NextView, volume: Unit, *, moved: bool) -> str:
@@ -88,20 +96,27 @@ def stop_sentence(plan: NextView, *, moved: bool) -> str:
     """Return whether the volume is known well enough; ``moved`` if the camera went on."""
     if plan.within_tolerance is None:
         return "There is no volume to be certain of yet."
-    chance = f"The chance that the volume is right to ±{percent(plan.tolerance, 0)} is {probability(plan.within_tolerance)}"
+    chance = f"The chance that the volume is right to {_tolerance(plan)} is {probability(plan.within_tolerance)}"
     if plan.stop:
-        return f"{chance}, over the {plan.confidence:g} asked for: no further view {'was needed, but this run went on' if moved else 'is needed'}."
-    return f"{chance}; {plan.confidence:g} was asked for{'' if plan.within_tolerance <= plan.confidence else ', of a bounded volume'}."
+        verdict = "was needed, but this run went on" if moved else "is needed"
+        return f"{chance}, over the {plan.confidence:g} asked for: no further view {verdict}."
+    bounded = "" if plan.within_tolerance <= plan.confidence else ", and every dimension bounded"
+    return f"{chance}; {plan.confidence:g} was asked for{bounded}."
 
 
 def why_it_ended(episode: Episode) -> str:
-    """Return why there was no further view."""
+    """Return why there was no further view, as a clause."""
     plan = episode.steps[-1].plan
     if plan.stop:
-        return f"the volume is known as well as asked for (chance {probability(plan.within_tolerance)} of ±{percent(plan.tolerance, 0)})"
+        return f"the volume is known as well as asked for (chance {probability(plan.within_tolerance)} of {_tolerance(plan)})"
     if plan.best is None:
         return reason_in_words(plan.reason)
-    return f"the limit of {len(episode.steps)} views was reached before the volume was certain"
+    return f"the limit of {views_in_words(len(episode.steps))} was reached before the volume was certain"
+
+
+def views_in_words(count: int) -> str:
+    """Return a number of views: 1 view, 2 views."""
+    return "1 view" if count == 1 else f"{count} views"
 
 
 def move_in_words(plan: NextView, candidate: Candidate) -> str:
@@ -154,6 +169,10 @@ def _contest(plan: NextView, best: Candidate) -> str:
         text = ", the most of all that can be reached"
     beyond = [candidate for candidate in rivals if not candidate.reachable and candidate.assessment.score > score]
     return text + (f" ({len(beyond)} better {'one is' if len(beyond) == 1 else 'ones are'} out of reach)" if beyond else "")
+
+
+def _tolerance(plan: NextView) -> str:
+    return f"±{plan.tolerance * 100:g} %"
 
 
 def _face(name: str) -> str:

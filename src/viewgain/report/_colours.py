@@ -1,0 +1,22 @@
+"""Colours that colour-blind readers tell apart, line patterns and font sizes of every picture of this room."""
+
+FIT = "#d55e00"
+"""The fitted box (vermilion of Okabe and Ito's set, as the next ones)."""
+TRUTH = "#ffffff"
+"""The true box: white dashes with a black rim, which show on every ground."""
+ON_BOX = "#0072b2"
+"""Returns on the box."""
+ON_FLOOR = "#b4b8bd"
+"""Returns on the floor and elsewhere."""
+INK = "#22262b"
+"""Text."""
+FAINT = "#6b7280"
+"""Text and lines of lesser weight; still 4.8 to 1 on white."""
+GRID = "#dfe3e8"
+"""Lines of the floor and of diagrams."""
+MISSING = "#e3e5e8"
+"""Pixels without a return."""
+SMALL, NORMAL, LARGE = 7.0, 8.0, 9.5
+"""Font sizes, points, in figures 5.4 inches wide."""
+HIDDEN_DASHES = (0, (1.8, 1.5))
+"""Edges of the fitted box that it hides itself."""
