@@ -14,6 +14,7 @@ from viewgain.box._raycast import floor_hits as floor_hits
 from viewgain.box._raycast import range_jacobian as range_jacobian
 from viewgain.box._silhouette import EdgeDistances as EdgeDistances
 from viewgain.box._silhouette import Outline as Outline
+from viewgain.box._silhouette import edge_cosines as edge_cosines
 from viewgain.box._silhouette import edge_distances as edge_distances
 from viewgain.box._silhouette import edge_jacobian as edge_jacobian
 from viewgain.box._silhouette import outline as outline

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from viewgain.arrays import Array, Indices, Points2
-from viewgain.box._box import CORNERS, Box
+from viewgain.box._box import CORNERS, FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
 from viewgain.geometry import cross_matrix
 
 NEAR = 0.02
@@ -76,6 +76,23 @@ def edge_jacobian(box: Box, shape: Outline, distances: EdgeDistances) -> Array:
     at_end = np.einsum("ki,kij->kj", inward, np.roll(corner_steps, -1, axis=0))
     share = distances.along[:, None]
     return np.asarray(-((1 - share) * at_start[distances.edge] + share * at_end[distances.edge]))
+
+
+def edge_cosines(box: Box, shape: Outline) -> Array:
+    """Return the (k,) cosine of the angle of incidence on the visible face that each edge of the outline bounds, at its middle.
+
+    An edge of the outline parts a face turned to the camera from one turned away; 0 where rounding finds neither.
+    """
+    camera = -box.box_to_camera[:3, :3].T @ box.box_to_camera[:3, 3]
+    start, end = CORNERS[shape.corners], CORNERS[np.roll(shape.corners, -1)]
+    middle = (start + end) / 2 * box.extents
+    sight = (camera - middle) / np.linalg.norm(camera - middle, axis=1, keepdims=True)
+    cosines = np.zeros(len(middle))
+    for normal, extent in zip(PLANE_NORMALS[:FLOOR], PLANE_EXTENTS[:FLOOR], strict=True):
+        side = extent.sum()
+        on_face = (start @ normal == side) & (end @ normal == side) & (normal @ camera > extent @ box.extents)
+        cosines = np.where(on_face, np.maximum(cosines, sight @ normal), cosines)
+    return np.clip(cosines, 0.0, 1.0)
 
 
 def _project(points: Array) -> Array:

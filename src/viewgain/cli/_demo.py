@@ -30,16 +30,15 @@ def run_demo(command: Demo) -> int:
     print(f"A box of {' x '.join(f'{1000 * d:.1f}' for d in truth)} mm ({1000 * box.volume:.2f} l) stands on the floor.")
     for number, step in enumerate(episode.steps, 1):
         print(f"\nView {number}")
-        _tell(step, truth, episode.errors[number - 1], last=number == len(episode.steps))
+        _tell(step, episode.errors[number - 1], last=number == len(episode.steps))
     print(f"\nReport: {write_report(episode, command.out)}")
     return 0
 
 
-def _tell(step: Step, truth: np.ndarray, error: float, *, last: bool) -> None:
+def _tell(step: Step, error: float, *, last: bool) -> None:
     to_stdout(measurement_table(step.fused))
     if step.fused.boxes:
-        off = ", ".join(f"{1000 * (d - t):+.1f}" for d, t in zip(step.fused.boxes[0].dimensions, truth, strict=True))
-        print(f"Against the truth: {off} mm; volume off by {error:.2%}.")
+        print(f"Against the truth: volume off by {error:.2%}.")
     if not (last and step.plan.stop):
         to_stdout(ranking_table(step.plan))
     print(decision_in_words(step.plan))

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from viewgain.arrays import Array, Indices
-from viewgain.box import PARAMETERS, Box, Hits, edge_jacobian, range_jacobian
+from viewgain.box import PARAMETERS, Box, Hits, edge_cosines, edge_jacobian, range_jacobian
 from viewgain.camera import Sensor
 from viewgain.measure._mixture import Mixture, Pixels, Softness, Surface, mix
 
@@ -42,6 +42,8 @@ class Evaluation:
     """(k, 9) gradient caused by each edge of the outline being shown one pixel too far out."""
     edge_precision: Array
     """(k,) information about where each edge of the outline lies, per square pixel."""
+    edge_cosine: Array
+    """(k,) cosine of incidence on the face that each edge bounds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,6 +103,7 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
         systematic,
         by_edge @ rows,
         by_edge.sum(axis=1),
+        edge_cosines(box, mixture.shape),
     )
 
 

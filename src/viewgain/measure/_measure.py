@@ -26,6 +26,8 @@ MAX_LEFTOVER = 0.8
 """If more than this share of an object lies outside the fitted box, the fit is wrong rather than the object two."""
 MIN_SHARE = 0.005
 """A box that is cut or open must fill this share of the image; smaller ones are clutter more often than boxes."""
+MIN_SHARE_CUT_OPEN = 0.02
+"""The same for a box that is both: legs and furniture at the border of the image look like that."""
 _COARSE_PIXELS = 1200
 _FINE_PIXELS = 2000
 _FINAL_PIXELS = 12000
@@ -146,10 +148,10 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
     if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):
         return Refusal("not_a_box")
     estimate = with_uncertainty(fit, quality, touching=touching)
-    if {"open", "cut"} & set(estimate.flags) and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
+    partial = set(estimate.flags) & {"cut", "open"}
+    if partial and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
         return Refusal("too_few_points", estimate)
-    unbounded = sum(estimate.is_open)
-    if unbounded == 3 or (quality.cut and (unbounded == 2 or (quality.faces_seen == 1 and unbounded))):
+    if all(estimate.is_open) or (len(partial) == 2 and quality.returns < MIN_SHARE_CUT_OPEN * image.ranges.size):
         return Refusal("cut_by_border", estimate)
     return estimate
 

@@ -67,7 +67,8 @@ def knowledge(fit: Fit) -> Knowledge:
     """Return what the views of a fit say about its box, with edge and pose errors integrated out."""
     information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
     for view, evaluation in zip(fit.views, fit.evaluations, strict=True):
-        free = without_edge_bias(evaluation.information, evaluation.edge_pull, evaluation.edge_precision, view.sensor.edge_sd_px)
+        edge_sigma = view.sensor.edge_sigma(evaluation.edge_cosine)
+        free = without_edge_bias(evaluation.information, evaluation.edge_pull, evaluation.edge_precision, edge_sigma)
         added, shared = marginal(free, evaluation.systematic, view.pose_precision)
         information += added
         systematic += shared
@@ -75,8 +76,8 @@ def knowledge(fit: Fit) -> Knowledge:
     return Knowledge(information, systematic, float(np.mean(np.array(factors))))
 
 
-def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Array, edge_sd_px: float) -> Array:
-    """Return (9, 9) information after each outline edge's own offset, N(0, edge_sd_px), is integrated out (Schur complement).
+def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Array, edge_sigma: Array) -> Array:
+    """Return (9, 9) information after each outline edge's own offset, N(0, edge_sigma), is integrated out (Schur complement).
 
     Mixed pixels, and the filters of cameras against them, shift an edge as a whole; without this a long edge would claim to
     be known to a hundredth of a pixel.
@@ -85,9 +86,9 @@ def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Arra
         information: (9, 9) information if every edge were shown where it is.
         edge_pull: (k, 9) gradient per pixel of shift of each edge.
         edge_precision: (k,) information about each edge's place, per square pixel.
-        edge_sd_px: Standard deviation of the shift, pixels.
+        edge_sigma: (k,) standard deviation of each edge's shift, pixels.
     """
-    share = 1 / (edge_precision + 1 / max(edge_sd_px, 1e-6) ** 2)
+    share = 1 / (edge_precision + 1 / np.maximum(edge_sigma, 1e-6) ** 2)
     return np.asarray(information - (edge_pull.T * share) @ edge_pull)
 
 
@@ -122,14 +123,16 @@ def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut
         known: What its views say.
         spread: Its (9, 9) covariance.
         cut: Whether the box leaves the image. The curvature then tells only that an edge is no nearer than the border, so it
-            is believed only if the likelihood falls on the far side too.
+            bounds the extent from above only if the likelihood falls on the far side too.
     """
     value = float(fit.box.extents[axis])
     sigma = float(np.sqrt(spread[6 + axis, 6 + axis]))
     ridge = _Ridge(axis, fit, known)
-    if sigma < OPEN_SHARE * value and not (cut and ridge.is_flat_beyond()):
-        return Interval(value - Z90 * sigma, value + Z90 * sigma, sigma)
-    return _profiled(ridge)
+    if sigma >= OPEN_SHARE * value:
+        return _profiled(ridge)
+    if cut and ridge.is_flat_beyond():
+        return Interval(value - Z90 * sigma, np.inf, np.nan)
+    return Interval(value - Z90 * sigma, value + Z90 * sigma, sigma)
 
 
 class _Ridge:

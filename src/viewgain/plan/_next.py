@@ -10,13 +10,15 @@ from viewgain.errors import ConfigError
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
 from viewgain.plan._belief import Belief, belief_from, belief_from_blob, camera_above, floor_pose, outlook
 from viewgain.plan._policy import Assessment, CovariancePolicy, Policy
-from viewgain.plan._predict import MIN_FACE_PIXELS
-from viewgain.plan._rig import Rig, place
+from viewgain.plan._predict import MIN_FACE_PIXELS, predict
+from viewgain.plan._rig import Rig, Station, place
 from viewgain.plan._rig import rig as find_rig
 from viewgain.scans import Scan
 
 SCHEMA = 1
 """Version of the JSON form; it grows by new keys only."""
+STEPS_BACK = (1.0, 1.15, 1.3, 1.5, 1.75, 2.0, 2.5)
+"""Factors on the present distance that are tried until the box fits into the image."""
 STAYING = 0.05
 """A candidate nearer to the present camera than this is the present place, metres."""
 INDIFFERENT = 0.01
@@ -152,7 +154,8 @@ def next_view(
         return NextView(
             stations.name, decider.name, measured, (), None, False, None, tolerance, confidence, nowhere, nowhere, measured.reason
         )
-    poses = place(stations, believed.mean.centre, floor_pose(believed), measured.camera_to_world)
+    back = _step_back(believed)
+    poses = place(stations, believed.mean.centre, floor_pose(believed), measured.camera_to_world, step_back=back)
     assessments = decider.assess(believed, poses, tolerance)
     candidates = tuple(
         Candidate(index, pose, assessment, _reachable(pose, believed, stations))
@@ -185,6 +188,19 @@ def _belief(measured: Measurement, sensor: Sensor) -> Belief | None:
         return None
     blob = measured.rejected[0]
     return belief_from_blob(blob, measured, sensor) if blob.estimate is None else belief_from(blob.estimate)
+
+
+def _step_back(belief: Belief) -> float:
+    """Return the factor on the present distance at which the believed box fits into the image; 1 if it fits, or never does.
+
+    A camera too near cuts the box from every side of a ring; going around at the same distance would not help.
+    """
+    here = Rig(name="here", stations=(Station(),))
+    for factor in STEPS_BACK:
+        (pose,) = place(here, belief.mean.centre, floor_pose(belief), None, step_back=factor)
+        if not predict(belief.mean, pose, belief.sensor, belief.noise).cut:
+            return factor
+    return 1.0
 
 
 def _reachable(camera_to_current: Array, belief: Belief, stations: Rig) -> bool:

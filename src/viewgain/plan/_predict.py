@@ -19,6 +19,7 @@ from viewgain.box import (
     EdgeDistances,
     Hits,
     box_hits,
+    edge_cosines,
     edge_distances,
     edge_jacobian,
     floor_hits,
@@ -124,7 +125,7 @@ def _edge_information(box: Box, sensor: Sensor, noise: float) -> Array:
     jacobian = edge_jacobian(box, shape, EdgeDistances(np.zeros(len(edges)), edges, along)) * sensor.intrinsics.fx
     pull = (jacobian * weight[:, None]).reshape(-1, _EDGE_SAMPLES, PARAMETERS).sum(axis=1)
     precision = weight.reshape(-1, _EDGE_SAMPLES).sum(axis=1)
-    return without_edge_bias((jacobian.T * weight) @ jacobian, pull, precision, sensor.edge_sd_px)
+    return without_edge_bias((jacobian.T * weight) @ jacobian, pull, precision, sensor.edge_sigma(edge_cosines(box, shape)))
 
 
 def _face_samples(box: Box, face: int, sensor: Sensor) -> tuple[Points, Hits, Array]:

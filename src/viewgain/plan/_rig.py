@@ -89,7 +89,7 @@ def rig(name: str | Rig) -> Rig:
     return _from_table(content, path)
 
 
-def place(rig: Rig, target: Vector3, floor_to_current: Pose, camera_to_world: Pose | None) -> Poses:
+def place(rig: Rig, target: Vector3, floor_to_current: Pose, camera_to_world: Pose | None, *, step_back: float = 1.0) -> Poses:
     """Return the (v, 4, 4) poses ``camera_to_current`` of a rig's stations around ``target``.
 
     Args:
@@ -97,6 +97,7 @@ def place(rig: Rig, target: Vector3, floor_to_current: Pose, camera_to_world: Po
         target: (3,) point that every anchored station looks at, metres, frame of the camera as it stands.
         floor_to_current: (4, 4) pose of the floor's frame (z up) in the present camera.
         camera_to_world: (4, 4) pose of the present camera; needed only for stations with an absolute pose.
+        step_back: Factor on the present distance for stations without one of their own.
 
     Raises:
         ConfigError: If a station has an absolute pose and the scan has none.
@@ -117,7 +118,7 @@ def place(rig: Rig, target: Vector3, floor_to_current: Pose, camera_to_world: Po
             poses[index] = inverse(camera_to_world) @ station.camera_to_world
             continue
         elevation = present_elevation if station.elevation is None else station.elevation
-        distance = radius if station.distance is None else station.distance
+        distance = step_back * radius if station.distance is None else station.distance
         level = np.cos(station.azimuth) * ahead + np.sin(station.azimuth) * right
         direction = np.cos(elevation) * level + np.sin(elevation) * up
         # Straight overhead "up" is no guide; the image then keeps the direction that the ring had.
