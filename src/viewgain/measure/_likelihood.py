@@ -12,7 +12,7 @@ from scipy.special import log_ndtr
 from viewgain.arrays import Array, Indices
 from viewgain.box import PARAMETERS, Box, Hits, edge_cosines, edge_jacobian, range_jacobian
 from viewgain.camera import Sensor
-from viewgain.measure._mixture import Mixture, Pixels, Softness, Surface, mix
+from viewgain.measure._mixture import FLYING_REACH, Mixture, Pixels, Softness, Surface, mix
 
 _EDGE_REACH = 8.0
 """Beyond this many blurs from the outline a pixel says nothing about it (its slope is under 1e-14)."""
@@ -132,7 +132,7 @@ def _edge_terms(mixture: Mixture, near: Indices, blur: float) -> tuple[Array, Ar
     slope = on_box * hit - on_floor * missed
     complete = on_box * hit * (hit + x / blur) + on_floor * missed * (missed - x / blur)
     missing = on_box * on_floor / np.maximum(on_box + on_floor, 1e-300) * (hit + missed) ** 2
-    # A mixed pixel sits on the outline: its chance falls off as exp(-s^2 / 2), in pixels.
+    # A mixed pixel sits on the outline: its chance falls off as exp(-(s / reach)^4 / 2).
     mixed, inside = mixture.on_both[near], mixture.inside[near]
-    slope += (mixture.could_mix[near] - mixed) * inside
-    return slope, np.maximum(complete - missing, 0.0) + mixed
+    slope += (mixture.could_mix[near] - mixed) * 2 * inside**3 / FLYING_REACH**4
+    return slope, np.maximum(complete - missing, 0.0) + mixed * 6 * inside**2 / FLYING_REACH**4

@@ -22,7 +22,9 @@ CLUTTER = 0.10
 SPAN = 3.0
 """Stray and clutter returns are uniform over this many metres."""
 FLYING = 0.3
-"""Share of mixed pixels on the outline itself; falls off within about a pixel and a half."""
+"""Share of mixed pixels on the outline itself."""
+FLYING_REACH = 1.2
+"""How far from the outline pixels mix, pixels: their share falls off as exp(-(s / reach)^4 / 2), at two pixels to nothing."""
 LOST_NEAR = (0.02, 0.96)
 """Chance that a face brings nothing back: at head-on incidence, and what the sensor's grazing loss adds at most."""
 LOST_FAR = (0.05, 0.90)
@@ -141,7 +143,7 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     near, far = _with_other_objects(pixels, near, far)
 
     seen, unseen = ndtr(inside / softness.edge), ndtr(-inside / softness.edge)
-    mixing = FLYING * np.exp(-0.5 * inside**2)
+    mixing = FLYING * np.exp(-0.5 * (inside / FLYING_REACH) ** 4)
     pure = seen * near.density + unseen * far.density
     mixed = _mixed_density(pixels, near, far)
     total = np.maximum((1 - mixing) * pure + mixing * mixed, 1e-12)
