@@ -46,11 +46,11 @@ def cone(radius: float, height: float) -> Shape:
 
     def cast(origin: Array, rays: Array) -> Array:
         slope = (radius / height) ** 2
-        top = np.array([*origin[:2], origin[2] - height])
+        apex = np.array([*origin[:2], origin[2] - height])
         signs = np.array([1.0, 1.0, -slope])
-        entry = _nearest(rays**2 @ signs, rays @ (signs * top), np.full(len(rays), top**2 @ signs))
-        at = origin[2] + np.where(np.isfinite(entry), entry, 0.0) * rays[:, 2]
-        return np.where((at >= 0) & (at <= height), entry, np.inf)
+        roots = _roots(rays**2 @ signs, rays @ (signs * apex), np.full(len(rays), apex**2 @ signs))
+        at = origin[2] + np.where(np.isfinite(roots), roots, 0.0) * rays[:, 2]
+        return np.where((at >= 0) & (at <= height), roots, np.inf).min(axis=0)  # not the cone's mirror image above its apex
 
     return cast
 
@@ -71,7 +71,12 @@ def scan_of(shape: Shape, camera_to_world: Array, camera: Sensor, *, rng: np.ran
 
 def _nearest(a: Array, half_b: Array, c: Array) -> Array:
     """Return the nearest positive root of a t^2 + 2 half_b t + c = 0; inf where there is none."""
+    return np.asarray(_roots(a, half_b, c).min(axis=0))
+
+
+def _roots(a: Array, half_b: Array, c: Array) -> Array:
+    """Return (2, n): the positive roots, inf in place of the others."""
     root = half_b**2 - a * c
     with np.errstate(invalid="ignore", divide="ignore"):
         both = np.stack([(-half_b - np.sqrt(root)) / a, (-half_b + np.sqrt(root)) / a])
-    return np.where(np.isfinite(both) & (both > 1e-9), both, np.inf).min(axis=0)
+    return np.where(np.isfinite(both) & (both > 1e-9), both, np.inf)

@@ -15,6 +15,9 @@ PRIOR_EXTENT = (0.02, 2.0)
 """The stated prior on a dimension is log-uniform between these, metres."""
 OPEN_SHARE = 0.15
 """A dimension whose standard deviation exceeds this share of it is open: the scan does not bound it like a measurement."""
+OPEN_TEMPER = 0.2
+"""Share of its log likelihood that an open dimension's profile is believed: it rests on missing returns, whose chances a sensor
+model knows only roughly, and on other parameters held to a straight ridge."""
 Z90 = 1.6448536269514722
 """Half-width of a 90 % normal interval, in standard deviations."""
 LOOSE_PRIOR = np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0])
@@ -164,7 +167,7 @@ def _profiled(ridge: _Ridge) -> Interval:
     """
     grid = np.geomspace(*PRIOR_EXTENT, 90)
     log_likelihood = np.array([ridge.log_likelihood(length) for length in grid])
-    log_likelihood -= log_likelihood.max()
+    log_likelihood = OPEN_TEMPER * (log_likelihood - log_likelihood.max())
     posterior = np.exp(log_likelihood)
     posterior /= posterior.sum()
     low, high = np.interp([0.05, 0.95], np.cumsum(posterior), grid)
