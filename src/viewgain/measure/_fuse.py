@@ -32,7 +32,7 @@ def fuse(
 ) -> Measurement:
     """Measure the boxes that several scans with known poses show, all views together.
 
-    Each scan is measured alone; estimates of the same box (centres within half its size in the world) are then refined
+    Each scan is measured alone; estimates of the same box (centres within half its size in the world, within all of it where it is open) are then refined
     jointly on all their pixels, with six pose corrections per further view held by ``pose_sigma``. Objects that one scan alone
     leaves unbounded (``cut_by_border``) take part: together they may be bounded.
 
@@ -100,7 +100,8 @@ def _same_boxes(results: list[Measurement], worlds: list[Pose]) -> list[dict[int
             for group in groups:
                 first = next(iter(group))
                 known = transform(worlds[first], group[first].box.centre)
-                reach = 0.5 * max(float(np.max(box.box.extents)), float(np.max(group[first].box.extents)))
+                share = 1.0 if any(box.is_open) or any(group[first].is_open) else 0.5
+                reach = share * max(float(np.max(box.box.extents)), float(np.max(group[first].box.extents)))
                 if index not in group and np.linalg.norm(centre - known) < reach:
                     group[index] = box
                     break

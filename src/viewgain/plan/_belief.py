@@ -26,7 +26,7 @@ class Belief:
     """Equally likely boxes and the knowledge that goes with each."""
 
     boxes: tuple[Box, ...]
-    """Possible boxes, present camera's frame."""
+    """Possible boxes, the smallest first, present camera's frame."""
     knowledge: Knowledge
     """What the scans so far say, around any of them."""
     sensor: Sensor
@@ -121,8 +121,8 @@ def floor_pose(belief: Belief) -> Pose:
 
 
 def camera_above(camera_to_current: Pose, belief: Belief) -> tuple[float, float]:
-    """Return a candidate camera's height above the floor and distance to the believed box's surface, metres."""
-    box = belief.mean
+    """Return a candidate camera's height above the floor and distance to the surface of what has been seen, metres."""
+    box = belief.boxes[0]
     local = inverse(box.box_to_camera) @ camera_to_current
     position = local[:3, 3]
     low, high = np.array([-0.5, -0.5, 0.0]) * box.extents, np.array([0.5, 0.5, 1.0]) * box.extents

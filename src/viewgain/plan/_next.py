@@ -17,12 +17,12 @@ from viewgain.scans import Scan
 
 SCHEMA = 1
 """Version of the JSON form; it grows by new keys only."""
-STEPS_BACK = (1.0, 1.15, 1.3, 1.5, 1.75, 2.0, 2.5)
+STEPS_BACK = (1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
 """Factors on the present distance that are tried until the box fits into the image."""
 STAYING = 0.05
 """A candidate nearer to the present camera than this is the present place, metres."""
-INDIFFERENT = 0.01
-"""Of candidates whose scores lie this close together, the nearest is taken."""
+INDIFFERENT = 0.03
+"""Of candidates that leave a standard deviation within this share of the least, the nearest is taken."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,7 +191,7 @@ def _belief(measured: Measurement, sensor: Sensor) -> Belief | None:
 
 
 def _step_back(belief: Belief) -> float:
-    """Return the factor on the present distance at which the believed box fits into the image; 1 if it fits, or never does.
+    """Return the least factor on the present distance at which the believed box fits into the image; the largest if none does.
 
     A camera too near cuts the box from every side of a ring; going around at the same distance would not help.
     """
@@ -200,7 +200,7 @@ def _step_back(belief: Belief) -> float:
         (pose,) = place(here, belief.mean.centre, floor_pose(belief), None, step_back=factor)
         if not predict(belief.mean, pose, belief.sensor, belief.noise).cut:
             return factor
-    return 1.0
+    return STEPS_BACK[-1]
 
 
 def _reachable(camera_to_current: Array, belief: Belief, stations: Rig) -> bool:
@@ -217,6 +217,7 @@ def _best(candidates: tuple[Candidate, ...], *, settle: bool) -> int | None:
     if not reachable:
         return None
     top = max(candidate.assessment.score for candidate in reachable)
-    tied = [candidate for candidate in reachable if candidate.assessment.score >= top - INDIFFERENT]
+    left = (1 - top) * (1 + INDIFFERENT)
+    tied = [candidate for candidate in reachable if 1 - candidate.assessment.score <= left]
     elsewhere = [candidate for candidate in tied if candidate.travel > STAYING]
     return min(tied if settle or not elsewhere else elsewhere, key=lambda candidate: candidate.travel).index
