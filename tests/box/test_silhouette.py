@@ -63,7 +63,9 @@ def test_along_is_the_share_of_the_side_up_to_the_foot_point() -> None:
     shape = outline(Box(pose, np.array([2.0, 2.0, 1.0])))  # straight above: a square from -1 to 1 at depth 1
     found = edge_distances(shape, np.array([[0.5, 0.9], [0.5, 1.2], [0.9, -0.2], [3.0, 5.0]]))
     np.testing.assert_allclose(found.distance, [0.1, -0.2, 0.1, -4.0], atol=1e-12)
-    feet = shape.vertices[found.edge] + found.along[:, None] * (np.roll(shape.vertices, -1, axis=0)[found.edge] - shape.vertices[found.edge])
+    feet = shape.vertices[found.edge] + found.along[:, None] * (
+        np.roll(shape.vertices, -1, axis=0)[found.edge] - shape.vertices[found.edge]
+    )
     np.testing.assert_allclose(feet, [[0.5, 1.0], [0.5, 1.0], [1.0, -0.2], [1.0, 1.0]], atol=1e-12)
 
 

@@ -139,7 +139,10 @@ def test_two_boxes_apart_are_both_measured_the_larger_in_the_image_first(seed: i
 
 def test_a_box_half_hidden_by_another_is_still_measured() -> None:
     """The front box hides a lower corner of the one behind; what it hides is not taken for the end of the box."""
-    front, back = standing_box(np.array([0.2, 0.2, 0.15]), at=(0.3, 0.1)), standing_box(np.array([0.3, 0.4, 0.35]), at=(-0.15, 0.0))
+    front, back = (
+        standing_box(np.array([0.2, 0.2, 0.15]), at=(0.3, 0.1)),
+        standing_box(np.array([0.3, 0.4, 0.35]), at=(-0.15, 0.0)),
+    )
     view = orbit_pose(np.array([0.0, 0.0, 0.1]), 0.5, np.deg2rad(35), 1.4)
     measured = measure(scan_of(front, back, view=view, rng=np.random.default_rng(3)), camera=CAMERA)
     behind = min(measured.boxes, key=lambda found: np.linalg.norm(in_world(found, view).centre - back.centre))
@@ -159,7 +162,9 @@ def test_from_overhead_a_box_is_measured_with_and_without_an_empty_scan(elevatio
         assert abs(relative_volume_error(found, box)) < 5 * found.volume_sigma / found.volume
 
 
-@pytest.mark.xfail(strict=True, reason="the empty scan only starts the fit: the height then floats, 2 to 16 cm off at a sigma of 1 mm")
+@pytest.mark.xfail(
+    strict=True, reason="the empty scan only starts the fit: the height then floats, 2 to 16 cm off at a sigma of 1 mm"
+)
 @pytest.mark.parametrize("seed", range(4))
 def test_an_empty_scan_stands_in_for_a_floor_that_the_scan_itself_does_not_show(seed: int) -> None:
     """A black floor: nothing comes back beside the box, and an empty scan (of the same floor, whitened) was taken before."""
@@ -190,8 +195,15 @@ def test_without_a_camera_the_noise_is_estimated_and_the_default_calibration_ass
     rng, box = np.random.default_rng(6), standing_box(np.array([0.35, 0.25, 0.3]))
     for noise in (0.002, 0.01):
         camera = sensor("pico_flexx")
-        scan = scan_of(box, view=corner_view(box), camera=type(camera)(name="x", intrinsics=camera.intrinsics, noise_per_metre=noise), rng=rng)
+        scan = scan_of(
+            box,
+            view=corner_view(box),
+            camera=type(camera)(name="x", intrinsics=camera.intrinsics, noise_per_metre=noise),
+            rng=rng,
+        )
         found = only_box(scan, camera=None)
-        np.testing.assert_allclose(found.views[0].noise * camera.noise_per_metre, noise, rtol=0.25)  # the lateral noise is the same in both
+        np.testing.assert_allclose(
+            found.views[0].noise * camera.noise_per_metre, noise, rtol=0.25
+        )  # the lateral noise is the same in both
         assert (found.views[0].sensor.scale_sd, found.views[0].sensor.offset_sd) == (0.003, 0.003)
         np.testing.assert_allclose(found.dimensions, [0.35, 0.3, 0.25], atol=0.005)

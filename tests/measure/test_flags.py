@@ -106,7 +106,9 @@ def _towards(offset: np.ndarray) -> tuple[float, float, float]:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="a top seen under 82 degrees or more: depths up to three times too long, not open, at a sigma of 10 %")
+@pytest.mark.xfail(
+    strict=True, reason="a top seen under 82 degrees or more: depths up to three times too long, not open, at a sigma of 10 %"
+)
 def test_a_front_with_a_sliver_of_a_top_claims_no_depth_that_it_does_not_have() -> None:
     """The camera 2 to 15 cm above the top's level, square to the front: the top is a few rows of mixed pixels.
 
@@ -211,7 +213,10 @@ def test_two_boxes_side_by_side_are_split_or_refused_or_flagged_more_often_than_
 
 def two_steps(azimuth_deg: float) -> list[BoxEstimate]:
     """What is measured of a tall box with a low one against it."""
-    tall, low = standing_box(np.array([0.25, 0.25, 0.4]), at=(-0.125, 0.0)), standing_box(np.array([0.25, 0.25, 0.15]), at=(0.125, 0.0))
+    tall, low = (
+        standing_box(np.array([0.25, 0.25, 0.4]), at=(-0.125, 0.0)),
+        standing_box(np.array([0.25, 0.25, 0.15]), at=(0.125, 0.0)),
+    )
     view = orbit_pose(np.array([0, 0, 0.15]), np.deg2rad(azimuth_deg), np.deg2rad(35), 1.3)
     return list(measure(scan_of(tall, low, view=view, rng=np.random.default_rng(6)), camera=CAMERA).boxes)
 
@@ -223,7 +228,11 @@ def test_two_steps_are_split_and_the_first_is_flagged_touching() -> None:
     assert low.volume < tall.volume
 
 
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason="what is split off is measured without the flag, so a wrong part passes as a flawless box")
+@pytest.mark.xfail(
+    strict=True,
+    raises=AssertionError,
+    reason="what is split off is measured without the flag, so a wrong part passes as a flawless box",
+)
 def test_whatever_was_split_off_another_object_is_flagged_touching() -> None:
     found = [box for azimuth_deg in (35, 50, 130) for box in two_steps(azimuth_deg)]
     assert all("touching" in box.flags for box in found)

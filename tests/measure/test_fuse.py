@@ -24,7 +24,9 @@ def two_views(box: Box, rng: np.random.Generator, *, sure: bool = False) -> tupl
     first = rng.uniform(0, 360)
     scans = []
     for azimuth in (first, first + rng.uniform(90, 150)):
-        view = corner_view(box, azimuth_deg=azimuth, elevation_deg=rng.uniform(28, 45), distance=rng.uniform(1.0, 1.3), roll_deg=2)
+        view = corner_view(
+            box, azimuth_deg=azimuth, elevation_deg=rng.uniform(28, 45), distance=rng.uniform(1.0, 1.3), roll_deg=2
+        )
         scans.append(scan_of(box, view=view, rng=rng, source=f"from {azimuth:.0f}").posed(view if sure else off(view, rng)))
     return scans[0], scans[1]
 
@@ -103,10 +105,14 @@ def test_turning_and_shifting_the_whole_world_changes_nothing() -> None:
     rng = np.random.default_rng(3)
     scans = two_views(random_box(rng, WELL_SEEN), rng)
     motion = pose(rotation_from_rotvec(np.array([0.0, 0.0, 2.1])), np.array([3.0, -1.0, 0.5]))
-    straight, moved = (fuse([scan.posed(by @ scan.camera_to_world) for scan in scans], camera=CAMERA) for by in (np.eye(4), motion))
+    straight, moved = (
+        fuse([scan.posed(by @ scan.camera_to_world) for scan in scans], camera=CAMERA) for by in (np.eye(4), motion)
+    )
     np.testing.assert_allclose(moved.boxes[0].dimensions, straight.boxes[0].dimensions, atol=1e-6)
     np.testing.assert_allclose(
-        in_world(moved.boxes[0], moved.world).corners(), transform(motion, in_world(straight.boxes[0], straight.world).corners()), atol=1e-6
+        in_world(moved.boxes[0], moved.world).corners(),
+        transform(motion, in_world(straight.boxes[0], straight.world).corners()),
+        atol=1e-6,
     )
 
 
@@ -154,7 +160,10 @@ def test_a_box_that_only_one_scan_shows_is_kept_as_it_was_measured() -> None:
 def test_less_sure_poses_give_wider_intervals() -> None:
     rng = np.random.default_rng(7)
     singles = [measure(scan, camera=CAMERA) for scan in two_views(random_box(rng, WELL_SEEN), rng, sure=True)]
-    widths = [fuse_measurements(singles, pose_sigma=sigma).boxes[0].volume_sigma for sigma in ((1e-5, 1e-5), (0.003, 0.005), (0.05, 0.1))]
+    widths = [
+        fuse_measurements(singles, pose_sigma=sigma).boxes[0].volume_sigma
+        for sigma in ((1e-5, 1e-5), (0.003, 0.005), (0.05, 0.1))
+    ]
     assert widths[0] < widths[1] <= widths[2] * 1.02
     assert widths[2] < 1.02 * min(single.boxes[0].volume_sigma for single in singles), "even then no worse than alone"
 

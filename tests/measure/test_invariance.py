@@ -109,7 +109,9 @@ def test_the_pose_of_the_camera_is_for_the_world_only() -> None:
     scan = noisy_scan(3)
     assert scan.camera_to_world is not None
     free = replace(scan, camera_to_world=None)
-    np.testing.assert_array_equal(measure(free, camera=CAMERA).boxes[0].dimensions, measure(scan, camera=CAMERA).boxes[0].dimensions)
+    np.testing.assert_array_equal(
+        measure(free, camera=CAMERA).boxes[0].dimensions, measure(scan, camera=CAMERA).boxes[0].dimensions
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))

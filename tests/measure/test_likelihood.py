@@ -67,7 +67,9 @@ def test_the_slope_of_single_pixels_is_their_central_difference(case: tuple[BoxE
     errors, slopes = [], []
     for pixel in rng.choice(np.flatnonzero(band & returned), 25, replace=False):
         own = np.array([pixel])
-        fine, coarse = (along_steps(lambda moved, own=own: at(moved, found, level, own).value, box, step) for step in (3e-6, 1e-5))
+        fine, coarse = (
+            along_steps(lambda moved, own=own: at(moved, found, level, own).value, box, step) for step in (3e-6, 1e-5)
+        )
         if np.abs(fine - coarse).max() < 1e-3 * np.abs(coarse).max() + 1e-3:
             errors.append(scale @ (at(box, found, level, own).gradient - fine))
             slopes.append(scale @ fine)

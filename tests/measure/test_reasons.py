@@ -37,7 +37,8 @@ def test_noise_is_no_box(kind: str, seed: int) -> None:
         points = {
             "cuboid of points": rng.uniform([-1, -1, 0.5], [1, 1, 3], (20_000, 3)),
             "blob of points": rng.normal([0, 0, 1.5], 0.4, (20_000, 3)),
-            "frustum of points": np.column_stack([rng.uniform(-0.6, 0.6, (20_000, 2)), np.ones(20_000)]) * rng.uniform(0.3, 3, (20_000, 1)),
+            "frustum of points": np.column_stack([rng.uniform(-0.6, 0.6, (20_000, 2)), np.ones(20_000)])
+            * rng.uniform(0.3, 3, (20_000, 1)),
         }[kind]
         scan = Scan.from_array(points)
     measured = measure(scan)
@@ -64,7 +65,11 @@ def test_what_is_round_is_refused_or_flagged(name: str, least_refused: float) ->
     rng, refused, passed = np.random.default_rng(0), 0, 0
     for _ in range(24):
         radius, height = rng.uniform(0.08, 0.25), rng.uniform(0.15, 0.4)
-        shape = {"sphere": shapes.sphere(radius), "cone": shapes.cone(radius, height), "cylinder": shapes.cylinder(radius, height)}[name]
+        shape = {
+            "sphere": shapes.sphere(radius),
+            "cone": shapes.cone(radius, height),
+            "cylinder": shapes.cylinder(radius, height),
+        }[name]
         view = orbit_pose(np.array([0, 0, 0.12]), rng.uniform(0, 6.2), np.deg2rad(rng.uniform(20, 50)), rng.uniform(0.9, 1.4))
         measured = measure(shapes.scan_of(shape, view, CAMERA, rng=rng), camera=CAMERA)
         refused += measured.reason == "not_a_box"
@@ -88,7 +93,9 @@ def test_the_oracles_shapes_have_the_size_they_are_given() -> None:
 
 def test_something_tiny_on_the_floor_is_not_measured() -> None:
     box = standing_box(np.array([0.04, 0.04, 0.035]))
-    measured = measure(scan_of(box, view=corner_view(box, distance=1.6, elevation_deg=50), rng=np.random.default_rng(0)), camera=CAMERA)
+    measured = measure(
+        scan_of(box, view=corner_view(box, distance=1.6, elevation_deg=50), rng=np.random.default_rng(0)), camera=CAMERA
+    )
     assert measured.boxes == ()
     assert measured.reason in {"nothing_on_floor", "too_few_points"}
 
@@ -112,7 +119,9 @@ def rows(scan: Scan, start: int, stop: int) -> Scan:
     return Scan.from_array(scan.organised()[start:stop])
 
 
-CRASHES = pytest.mark.xfail(strict=True, raises=(ValueError, IndexError), reason="crashes: too few rows or columns for the floor's blocks")
+CRASHES = pytest.mark.xfail(
+    strict=True, raises=(ValueError, IndexError), reason="crashes: too few rows or columns for the floor's blocks"
+)
 BEHIND = pytest.mark.xfail(strict=True, raises=IndexError, reason="crashes: no point before the camera is left")
 POORLY = {
     "one point over and over": (lambda scan: Scan.from_array(np.tile([0.1, 0.1, 1.0], (200, 1))), CRASHES),

@@ -182,7 +182,9 @@ def test_an_open_dimension_is_reported_by_its_lower_bound(opened: Measurement) -
     assert box.volume <= 0.3 * 0.35 * 0.3
 
 
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason="the pose is at the middle of the estimate, the dimension is the lower bound")
+@pytest.mark.xfail(
+    strict=True, raises=AssertionError, reason="the pose is at the middle of the estimate, the dimension is the lower bound"
+)
 def test_the_reported_box_has_its_front_where_it_was_seen_even_where_its_depth_is_open(measured: Measurement) -> None:
     """Pose and dimensions are to be one box: an estimate of 0.35 m with a lower bound of 0.1 m behind a face that was seen."""
     box = only(measured)

@@ -33,7 +33,11 @@ def box() -> Box:
 
 @settings(max_examples=12)
 @given(
-    st.lists(st.floats(0.1, 0.5), min_size=6, max_size=6), st.floats(0, 6.2), st.floats(20, 75), st.floats(0.9, 1.8), st.floats(-0.5, 0.5)
+    st.lists(st.floats(0.1, 0.5), min_size=6, max_size=6),
+    st.floats(0, 6.2),
+    st.floats(20, 75),
+    st.floats(0.9, 1.8),
+    st.floats(-0.5, 0.5),
 )
 def test_a_perfect_camera_reports_what_the_oracle_finds(
     extents: list[float], azimuth: float, elevation: float, distance: float, roll: float
@@ -46,7 +50,10 @@ def test_a_perfect_camera_reports_what_the_oracle_finds(
     for ray, measured in zip(pixel_directions(camera.intrinsics, 0.0, None), found, strict=True):
         true, cosine = world_range(boxes, view, ray)
         if cosine > 0.03 and not np.isclose(measured, true, rtol=1e-9):  # under 2 degrees faces are skipped on purpose
-            beside = [world_range(boxes, view, ray + np.array(nudge))[0] for nudge in ((1e-7, 0, 0), (-1e-7, 0, 0), (0, 1e-7, 0), (0, -1e-7, 0))]
+            beside = [
+                world_range(boxes, view, ray + np.array(nudge))[0]
+                for nudge in ((1e-7, 0, 0), (-1e-7, 0, 0), (0, 1e-7, 0), (0, -1e-7, 0))
+            ]
             assert np.ptp(np.minimum(beside, 1e6)) > 1e-4, (ray, measured, true)
 
 
@@ -89,7 +96,9 @@ def test_a_scan_carries_its_camera_its_pose_and_its_name() -> None:
 
 
 @pytest.mark.parametrize("elevation_deg", [85, 60, 35])
-@pytest.mark.parametrize("change", [{}, {"noise_constant": 0.004, "noise_per_metre": 0.0}, {"lateral_px": 1.5}, {"noise_per_square_metre": 0.01}])
+@pytest.mark.parametrize(
+    "change", [{}, {"noise_constant": 0.004, "noise_per_metre": 0.0}, {"lateral_px": 1.5}, {"noise_per_square_metre": 0.01}]
+)
 def test_the_noise_on_a_floor_is_the_sensors(change: dict[str, float], elevation_deg: float) -> None:
     """Standardised by range_sigma, the residuals of 38,304 pixels have spread one (standard error 0.4 %).
 

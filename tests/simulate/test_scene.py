@@ -45,7 +45,13 @@ def test_a_positive_roll_turns_the_camera_clockwise_about_its_line_of_sight() ->
 @pytest.mark.parametrize("seed", range(5))
 def test_random_scenes_keep_to_their_ranges_and_repeat_with_their_seed(seed: int) -> None:
     ranges = SceneRanges(
-        extent=(0.2, 0.3), yaw_deg=(10, 20), azimuth_deg=(40, 50), elevation_deg=(30, 35), distance=(1.0, 1.1), aim_sd=0.0, roll_sd_deg=0.0
+        extent=(0.2, 0.3),
+        yaw_deg=(10, 20),
+        azimuth_deg=(40, 50),
+        elevation_deg=(30, 35),
+        distance=(1.0, 1.1),
+        aim_sd=0.0,
+        roll_sd_deg=0.0,
     )
     rng, again = np.random.default_rng(seed), np.random.default_rng(seed)
     box, view = random_box(rng, ranges), None

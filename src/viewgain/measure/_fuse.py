@@ -32,9 +32,9 @@ def fuse(
 ) -> Measurement:
     """Measure the boxes that several scans with known poses show, all views together.
 
-    Each scan is measured alone; estimates of the same box (centres within half its size in the world, within all of it where it is open) are then refined
-    jointly on all their pixels, with six pose corrections per further view held by ``pose_sigma``. Objects that one scan alone
-    leaves unbounded (``cut_by_border``) take part: together they may be bounded.
+    Each scan is measured alone; estimates of the same box (centres within half its size in the world, or all of it where it is
+    open) are then refined jointly on all their pixels, with six pose corrections per further view held by ``pose_sigma``.
+    Objects that one scan alone leaves unbounded (``cut_by_border``) take part: together they may be bounded.
 
     Args:
         scans: At least one scan, each with ``camera_to_world``; the last is the camera as it stands.

@@ -22,6 +22,8 @@ MIN_FACE_POINTS = 25
 """A face counts as seen with at least this many returns."""
 MIN_EXPLAINED = 0.75
 """An object is a box only if this share of its returns lies on the box's faces."""
+MIN_EXPLAINED_FEW = 0.95
+"""The same with few returns: on so few, many things look nearly like a box."""
 MIN_OVERLAP = 0.6
 """An object is a box only if object and outline share this much of their union."""
 
@@ -68,7 +70,8 @@ class Quality:
     @property
     def is_box(self) -> bool:
         """Whether the object may be called a box."""
-        return self.explained >= MIN_EXPLAINED and self.overlap >= MIN_OVERLAP and self.faces_seen > 0
+        needed = MIN_EXPLAINED_FEW if self.returns < FEW_POINTS else MIN_EXPLAINED
+        return self.explained >= needed and self.overlap >= MIN_OVERLAP and self.faces_seen > 0
 
 
 def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, own: Mask, sigma: Array) -> Quality:
