@@ -1,4 +1,4 @@
-"""The commands as dataclasses: the fields are the options, their docstrings the help. ``run`` does the work."""
+"""The commands as dataclasses: the fields are the options, their docstrings the help."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -44,12 +44,6 @@ class Measure:
     csv: bool = False
     """One CSV row per box."""
 
-    def run(self) -> int:
-        """Measure and print; return the worst exit code."""
-        from viewgain.cli._measure import run_measure
-
-        return run_measure(self)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Next:
@@ -70,12 +64,6 @@ class Next:
     json: bool = False
     """One JSON object, one line, and nothing else on stdout."""
 
-    def run(self) -> int:
-        """Plan and print; return the exit code."""
-        from viewgain.cli._next import run_next
-
-        return run_next(self)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Demo:
@@ -95,9 +83,3 @@ class Demo:
     """Stop when the error is under the tolerance with this probability."""
     max_views: int = 5
     """Most scans to take."""
-
-    def run(self) -> int:
-        """Run the loop, print each step, write the report."""
-        from viewgain.cli._demo import run_demo
-
-        return run_demo(self)

@@ -1,17 +1,16 @@
-"""Entry point: parse, run one command, and turn every expected error into one line and an exit code.
-
-Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason).
-"""
+"""Entry point: parse, run one command, and turn every expected error into one line and an exit code."""
 
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
 from viewgain.cli._commands import Demo, Measure, Next
+from viewgain.cli._exit import BAD_INPUT, print_error
 from viewgain.errors import ViewgainError
 
-BAD_INPUT = 2
-"""Exit code of bad input or usage."""
+_RUNNERS = {Measure: ("_measure", "run_measure"), Next: ("_next", "run_next"), Demo: ("_demo", "run_demo")}
+"""Where the work of each command is done; loaded only when it is asked for."""
 _DESCRIPTION = """How big is the box, how sure are we, and where should the depth camera move next?
 
   viewgain measure scan.ply             length, width, height and volume with error bars
@@ -35,7 +34,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as exit_:
         return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT
     try:
-        return int(command.run())
+        module, runner = _RUNNERS[type(command)]
+        return int(getattr(import_module(f"viewgain.cli.{module}"), runner)(command))
     except ViewgainError as error:
         print_error(error)
         return BAD_INPUT
@@ -46,8 +46,3 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("viewgain: interrupted", file=sys.stderr)
         return 130
-
-
-def print_error(error: Exception) -> None:
-    """Print an expected error as one line on stderr."""
-    print(f"viewgain: error: {' '.join(str(error).split())}", file=sys.stderr)

@@ -6,14 +6,12 @@ import sys
 from collections.abc import Iterator
 
 from viewgain.cli._commands import Measure
+from viewgain.cli._exit import BAD_INPUT, NOTHING_MEASURED, print_error
 from viewgain.cli._files import check, read_floor, read_one
-from viewgain.cli._main import BAD_INPUT, print_error
 from viewgain.cli._text import measurement_table, to_stdout
 from viewgain.errors import ConfigError, ViewgainError
 from viewgain.measure import REASONS, Measurement, fuse, measure
 
-NOTHING_MEASURED = 3
-"""Exit code when no box could be measured."""
 CSV_COLUMNS = (
     "scan", "box", "length_m", "width_m", "height_m", "length_sigma_m", "width_sigma_m", "height_sigma_m", "vertical",
     "volume_m3", "volume_sigma_m3", "volume_low90_m3", "volume_high90_m3", "flags", "reason",

@@ -4,8 +4,8 @@ import json
 import sys
 
 from viewgain.cli._commands import Next
+from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
-from viewgain.cli._measure import NOTHING_MEASURED
 from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.measure import REASONS, fuse, measure
 from viewgain.plan import next_view
