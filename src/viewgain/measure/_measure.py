@@ -68,8 +68,16 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
     attempts = [_on_floor(image, candidate, model, noise_known=camera is not None) for candidate in floors]
     if not attempts:
         attempts = [Measurement((), None, (), "no_floor")]
-    best = max(attempts, key=lambda attempt: sum(box.quality.returns for box in attempt.boxes))
+    best = max(attempts, key=_explained)
     return replace(best, scans=(scan.source,), camera_to_world=scan.camera_to_world, notes=scan.notes)
+
+
+def _explained(attempt: Measurement) -> tuple[int, bool]:
+    """Return how many returns lie on boxes that the scan bounds, then whether there is any box; of equals the likelier floor wins.
+
+    An unbounded "box" is no evidence for a floor: with a wall or a box's own side for a floor, the true floor looks like one.
+    """
+    return sum(box.quality.returns for box in attempt.boxes if not any(box.is_open)), bool(attempt.boxes)
 
 
 def sensor_of(camera: str | Sensor | None) -> Sensor:

@@ -11,6 +11,11 @@ from viewgain.errors import ConfigError
 from viewgain.geometry import inverse, look_at, require_rigid
 
 
+LOWEST = float(np.deg2rad(10.0))
+"""A station that keeps the present elevation is placed no lower than this: from under the target's middle a ring would run into
+the floor, radians."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Station:
     """One candidate of a rig, relative to the camera as it stands; None keeps the present value."""
@@ -107,7 +112,7 @@ def place(rig: Rig, target: Vector3, floor_to_current: Pose, camera_to_world: Po
     height = float(offset @ up)
     flat = offset - height * up
     radius = float(np.linalg.norm(offset))
-    present_elevation = float(np.arctan2(height, np.linalg.norm(flat)))
+    present_elevation = max(float(np.arctan2(height, np.linalg.norm(flat))), LOWEST)
     ahead = flat / np.linalg.norm(flat) if np.linalg.norm(flat) > 0.02 * radius else -floor_to_current[:3, 1]
     right = np.cross(up, ahead)
     poses = np.empty((len(rig.stations), 4, 4))
