@@ -73,7 +73,7 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
 
 
 def _explained(attempt: Measurement) -> tuple[int, bool]:
-    """Return how many returns lie on boxes that the scan bounds, then whether there is any box; of equals the likelier floor wins.
+    """Return how many returns lie on boxes that the scan bounds, then whether there is any box; of equals the first floor wins.
 
     An unbounded "box" is no evidence for a floor: with a wall or a box's own side for a floor, the true floor looks like one.
     """

@@ -10,7 +10,6 @@ from viewgain.arrays import Pose, Poses, Vector3
 from viewgain.errors import ConfigError
 from viewgain.geometry import inverse, look_at, require_rigid
 
-
 LOWEST = float(np.deg2rad(10.0))
 """A station that keeps the present elevation is placed no lower than this: from under the target's middle a ring would run into
 the floor, radians."""
