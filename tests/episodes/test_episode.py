@@ -33,7 +33,7 @@ def test_a_scan_of_the_world_is_miscalibrated_and_labelled_with_the_pose_believe
 
 
 def test_the_camera_arrives_off_by_the_pose_noise_in_place_and_angle() -> None:
-    """1,500 draws of three axes each: standard deviations known to 1.1 %; 5 % is over four of them. The mean is where it was sent."""
+    """1,500 draws of three axes each: standard deviations known to 1.1 %; 5 % is over four of them."""
     world, rng = World(crate(), CAMERA, pose_sigma=(0.004, 0.01)), np.random.default_rng(1)
     off = np.array([inverse(VIEW) @ world.arrive(VIEW, rng) for _ in range(1500)])
     np.testing.assert_allclose(off[:, :3, 3].std(), 0.004, rtol=0.05)

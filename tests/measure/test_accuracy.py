@@ -1,4 +1,4 @@
-"""Measured boxes against the truth: without noise, with noise, with a miscalibrated camera, one box and several, from anywhere."""
+"""Measured boxes against the truth: without noise, with it, with a miscalibrated camera, one box and several, from anywhere."""
 
 from itertools import pairwise
 
@@ -21,13 +21,14 @@ def only_box(scan: Scan, **settings: object) -> BoxEstimate:
     return measured.boxes[0]
 
 
+@pytest.mark.slow
 def test_without_noise_a_box_showing_three_faces_is_measured_to_a_millimetre() -> None:
     """A millimetre is a fifth of a pixel here. What is left is where in its pixel an edge lies, which evens out along the edge.
 
-    So nine out of ten scenes are within a millimetre in all three dimensions; an edge along a row of pixels may be half a pixel off.
+    So nine out of ten scenes are within a millimetre in all dimensions; an edge along a row of pixels may be half a pixel off.
     """
     rng, errors = np.random.default_rng(0), []
-    for _ in range(30):
+    for _ in range(24):
         box = standing_box(rng.uniform(0.15, 0.5, 3), yaw=rng.uniform(0, 6))
         azimuth, elevation, distance, roll = rng.uniform([30, 30, 0.9, -40], [60, 50, 1.4, 40])
         view = corner_view(box, azimuth_deg=azimuth, elevation_deg=elevation, distance=distance, roll_deg=roll)
@@ -36,7 +37,7 @@ def test_without_noise_a_box_showing_three_faces_is_measured_to_a_millimetre() -
             continue  # grazing faces: centimetres off where a perfect camera, unlike any real one, still sees them
         assert found.quality.faces_seen == 3
         errors.append(np.abs(found.dimensions - np.sort(box.extents)[::-1]).max())
-    assert len(errors) >= 15
+    assert len(errors) >= 12
     assert np.median(errors) < 0.5e-3
     assert np.quantile(errors, 0.9) < 1e-3
     assert np.max(errors) < 3e-3
@@ -89,15 +90,15 @@ def test_the_intervals_are_not_wider_than_they_need_be(noisy: list[tuple[BoxEsti
 
 @pytest.mark.slow
 def test_a_miscalibrated_camera_stays_within_its_systematic_error() -> None:
-    """The camera's own scale and offset error, drawn anew for each of 30 scenes: it knows how wrong it may be."""
+    """The camera's own scale and offset error, drawn anew for each of 24 scenes: it knows how wrong it may be."""
     camera, rng, held = sensor("pico_flexx"), np.random.default_rng(13), []
-    for _ in range(30):
+    for _ in range(24):
         box = random_box(rng, WELL_SEEN)
         scan = scan_of(box, view=random_view(rng, box, WELL_SEEN), camera=camera, rng=rng)
         wrong = miscalibrated(scan, scale=rng.normal(0, camera.scale_sd), offset=rng.normal(0, camera.offset_sd))
         found = only_box(wrong, camera=camera)
         held.append(holds(found.volume_interval90, box.volume))
-    assert np.mean(held) > 0.73
+    assert np.mean(held) > 0.71
 
 
 @pytest.mark.parametrize(("scale", "offset"), [(0.004, 0.0), (-0.004, 0.0), (0.0, 0.004), (0.0, -0.004)])

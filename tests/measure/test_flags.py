@@ -115,7 +115,7 @@ def test_a_front_with_a_sliver_of_a_top_claims_no_depth_that_it_does_not_have() 
     The depth is open, or its interval holds the truth nine times out of ten; four out of five is asked for here.
     """
     rng, right = np.random.default_rng(0), []
-    for _ in range(24):
+    for _ in range(16):
         box = standing_box(rng.uniform([0.2, 0.2, 0.15], [0.5, 0.5, 0.4]))
         view = orbit_pose(box.centre, *np.deg2rad(rng.uniform([-4, 7], [4, 14])), rng.uniform(0.9, 1.3))
         measured = measure(scan_of(box, view=view, rng=rng), camera=CAMERA)
@@ -192,12 +192,12 @@ def test_returns_are_those_on_the_box() -> None:
 
 @pytest.mark.slow
 def test_two_boxes_side_by_side_are_split_or_refused_or_flagged_more_often_than_not() -> None:
-    """Measured rate: of 24 pairs of unlike height that touch, at least half do not pass for one flawless box.
+    """Measured rate: of 16 pairs of unlike height that touch, at least half do not pass for one flawless box.
 
     A known weakness: a step of 3 cm between two tops is within what one return may be off, so more than a third of them pass.
     """
     rng, honest, pairs = np.random.default_rng(5), 0, 0
-    while pairs < 24:
+    while pairs < 16:
         first, second = rng.uniform(0.15, 0.35, 3), rng.uniform(0.15, 0.35, 3)
         if abs(first[2] - second[2]) < 0.03:
             continue
@@ -208,7 +208,7 @@ def test_two_boxes_side_by_side_are_split_or_refused_or_flagged_more_often_than_
         warned = any({"touching", "bent"} & set(box.flags) for box in found)
         right = all(any(holds(box.volume_interval90, true.volume) for true in boxes) for box in found)
         honest += not found or warned or right
-    assert honest >= 12
+    assert honest >= 8
 
 
 def two_steps(azimuth_deg: float) -> list[BoxEstimate]:

@@ -19,7 +19,7 @@ def noisy_scan(seed: int) -> Scan:
 
 
 def quarter_turned(scan: Scan, quarters: int) -> Scan:
-    """Return the scan as the same camera takes it when held turned by 90 degrees, anticlockwise on the screen, that many times."""
+    """Return the scan as the same camera takes it when held turned by 90 degrees, anticlockwise on the screen, so often."""
     image, camera = np.rot90(scan.organised(), quarters), scan.intrinsics
     assert camera is not None
     for _ in range(quarters):
@@ -34,7 +34,7 @@ def quarter_turned(scan: Scan, quarters: int) -> Scan:
 @pytest.mark.parametrize("quarters", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(4))
 def test_holding_the_camera_turned_by_quarters_changes_little(seed: int, quarters: int) -> None:
-    """The very same returns. Which of them are thinned out in the first fits depends on the image's order, so not to the last bit."""
+    """The very same returns; but which of them are thinned out in the first fits depends on the image's order."""
     scan = noisy_scan(seed)
     straight, turned = measure(scan, camera=CAMERA).boxes[0], measure(quarter_turned(scan, quarters), camera=CAMERA).boxes[0]
     apart = np.abs(turned.dimensions - straight.dimensions)

@@ -60,10 +60,10 @@ def test_a_bare_wall_without_a_floor_is_no_box() -> None:
 def test_what_is_round_is_refused_or_flagged(name: str, least_refused: float) -> None:
     """Measured over 60 of each: 73 % of spheres, 70 % of cones and 5 % of upright cylinders are refused as not_a_box.
 
-    What is not refused carries a warning all the same: bent faces, or few points. 24 of each here.
+    What is not refused carries a warning all the same: bent faces, or few points. 15 of each here.
     """
     rng, refused, passed = np.random.default_rng(0), 0, 0
-    for _ in range(24):
+    for _ in range(15):
         radius, height = rng.uniform(0.08, 0.25), rng.uniform(0.15, 0.4)
         shape = {
             "sphere": shapes.sphere(radius),
@@ -75,7 +75,7 @@ def test_what_is_round_is_refused_or_flagged(name: str, least_refused: float) ->
         refused += measured.reason == "not_a_box"
         passed += any(not {"bent", "few_points", "touching"} & set(box.flags) for box in measured.boxes)
         assert measured.boxes or measured.rejected
-    assert refused / 24 >= least_refused
+    assert refused / 15 >= least_refused
     assert passed <= 2
 
 
@@ -86,9 +86,9 @@ def test_the_oracles_shapes_have_the_size_they_are_given() -> None:
     np.testing.assert_allclose(shapes.sphere(0.2)(above, down), 2.6)
     np.testing.assert_allclose(shapes.cylinder(0.2, 0.5)(above, down), 2.5)
     np.testing.assert_allclose(shapes.cylinder(0.2, 0.5)(level, along), 2.8)
-    np.testing.assert_allclose(shapes.cone(0.2, 0.4)(above + [0.1, 0, 0], down), 2.8)
+    np.testing.assert_allclose(shapes.cone(0.2, 0.4)(np.array([0.1, 0.0, 3.0]), down), 2.8)
     np.testing.assert_allclose(shapes.cone(0.2, 0.4)(level, along), 2.85)
-    assert np.isinf(shapes.sphere(0.2)(level + [0, 1, 0], along))
+    assert np.isinf(shapes.sphere(0.2)(np.array([-3.0, 1.0, 0.1]), along))
 
 
 def test_something_tiny_on_the_floor_is_not_measured() -> None:
@@ -119,13 +119,17 @@ def rows(scan: Scan, start: int, stop: int) -> Scan:
     return Scan.from_array(scan.organised()[start:stop])
 
 
+def kept(scan: Scan, mask: np.ndarray) -> Scan:
+    return Scan.from_array(np.where(mask[..., None], scan.organised(), np.nan))
+
+
 CRASHES = pytest.mark.xfail(
     strict=True, raises=(ValueError, IndexError), reason="crashes: too few rows or columns for the floor's blocks"
 )
 BEHIND = pytest.mark.xfail(strict=True, raises=IndexError, reason="crashes: no point before the camera is left")
 POORLY = {
     "one point over and over": (lambda scan: Scan.from_array(np.tile([0.1, 0.1, 1.0], (200, 1))), CRASHES),
-    "a straight line": (lambda scan: Scan.from_array(np.column_stack([np.linspace(-1, 1, 500), np.zeros(500), np.ones(500)])), CRASHES),
+    "a straight line": (lambda scan: Scan.from_array(np.linspace([-1, 0, 1], [1, 0, 1], 500)), CRASHES),
     "one row of an image": (lambda scan: rows(scan, 100, 101), CRASHES),
     "two rows of an image": (lambda scan: rows(scan, 100, 102), CRASHES),
     "one column of an image": (lambda scan: Scan.from_array(scan.organised()[:, 100:101]), CRASHES),
@@ -133,8 +137,8 @@ POORLY = {
     "a thousand points": (lambda scan: Scan.from_array(scan.points[:: len(scan.points) // 1000]), ()),
     "all behind the camera": (lambda scan: Scan.from_array(-scan.points), BEHIND),
     "an image behind the camera": (lambda scan: Scan.from_array(-scan.organised()), ()),
-    "one pixel in fifty": (lambda scan: Scan.from_array(np.where(np.random.default_rng(0).random((171, 224, 1)) < 0.02, scan.organised(), np.nan)), ()),
-    "every fourth row": (lambda scan: Scan.from_array(np.where(np.arange(171)[:, None, None] % 4 == 1, scan.organised(), np.nan)), ()),
+    "one pixel in fifty": (lambda scan: kept(scan, np.random.default_rng(0).random((171, 224)) < 0.02), ()),
+    "every fourth row": (lambda scan: kept(scan, np.indices((171, 224))[0] % 4 == 1), ()),
     "every point three times": (lambda scan: Scan.from_array(np.repeat(scan.points, 3, axis=0)), ()),
     "a chequerboard of ranges": (lambda scan: Scan.from_range(np.indices((171, 224)).sum(0) % 2 + 1.0, CAMERA.intrinsics), ()),
     "the same range everywhere": (lambda scan: Scan.from_range(np.ones((171, 224)), CAMERA.intrinsics), ()),

@@ -100,7 +100,7 @@ def test_nothing_known_is_the_loose_prior() -> None:
 
 
 def test_pose_errors_move_the_box_by_lever_arm_times_angle() -> None:
-    """A camera a metre away that is off by 0.01 rad misplaces the box by 1 cm across the line of sight; sampled and by formula."""
+    """A camera a metre away that is off by 0.01 rad misplaces the box by 1 cm across the line of sight; sampled."""
     camera_to_box = pose(rotation_from_rotvec(np.array([0.3, -0.2, 0.5])), np.array([0.0, 0.0, 1.0]))
     exact = pose(np.eye(3), np.zeros(3))
     spread = np.linalg.inv(pose_precision(camera_to_box, exact, (1e-6, 0.01)))

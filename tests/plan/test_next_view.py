@@ -18,15 +18,17 @@ from viewgain.scans import Scan
 from viewgain.simulate import orbit_pose, random_box, random_view, standing_box
 
 KEYS = {
-    "schema", "rig", "objective", "policy", "current", "candidates", "best", "stop", "p_within_tolerance", "tolerance", "confidence",
-    "reason",
+    "schema", "rig", "objective", "policy", "current", "candidates", "best", "stop", "p_within_tolerance", "tolerance",
+    "confidence", "reason",
 }  # fmt: skip
 CANDIDATE_KEYS = {"index", "camera_to_current", "score", "volume_sigma_m3", "p_within_tolerance", "faces", "cut", "reachable"}
 
 
 def crate_scan(seed: int = 0, **view: float) -> Scan:
     box = standing_box(np.array([0.4, 0.3, 0.2]))
-    return scan_of(box, view=corner_view(box, **{"azimuth_deg": 40.0, "elevation_deg": 38.0, **view}), rng=np.random.default_rng(seed))
+    return scan_of(
+        box, view=corner_view(box, **{"azimuth_deg": 40.0, "elevation_deg": 38.0, **view}), rng=np.random.default_rng(seed)
+    )
 
 
 def ball_scan(camera: Any = CAMERA) -> Scan:
@@ -132,7 +134,9 @@ def test_a_policy_may_count_in_units_of_its_own() -> None:
 
 
 def test_an_unreachable_station_never_wins_whatever_its_score() -> None:
-    stations = Rig(name="t", stations=(Station(azimuth=1.0), Station(elevation=-0.4), Station(distance=0.3), Station(azimuth=2.0)))
+    stations = Rig(
+        name="t", stations=(Station(azimuth=1.0), Station(elevation=-0.4), Station(distance=0.3), Station(azimuth=2.0))
+    )
     result = next_view(crate_scan(), stations, policy=Fixed((0.1, 0.9, 0.9, 0.2)), camera=CAMERA)
     assert [candidate.reachable for candidate in result.candidates] == [True, False, False, True]
     assert result.best == 3
@@ -144,8 +148,11 @@ def test_the_limits_of_the_rig_are_kept_to_the_centimetre() -> None:
     scan = crate_scan()
     straight_up = Station(elevation=np.pi / 2, distance=0.5)  # 0.4 m over the top, 0.6 m over the floor
     for limits, reachable in (
-        ({"min_distance": 0.39}, True), ({"min_distance": 0.41}, False), ({"min_height": 0.59}, True), ({"min_height": 0.61}, False),
-    ):  # fmt: skip
+        ({"min_distance": 0.39}, True),
+        ({"min_distance": 0.41}, False),
+        ({"min_height": 0.59}, True),
+        ({"min_height": 0.61}, False),
+    ):
         result = next_view(scan, Rig(name="t", stations=(straight_up,), **limits), camera=CAMERA)
         assert result.candidates[0].reachable == reachable, limits
     assert scan.camera_to_world is not None
@@ -153,7 +160,10 @@ def test_the_limits_of_the_rig_are_kept_to_the_centimetre() -> None:
 
 
 def test_of_several_boxes_the_one_largest_in_the_image_is_planned_for() -> None:
-    small, large = standing_box(np.array([0.15, 0.15, 0.15]), at=(0.3, 0.0)), standing_box(np.array([0.4, 0.3, 0.3]), at=(-0.2, 0.0))
+    small, large = (
+        standing_box(np.array([0.15, 0.15, 0.15]), at=(0.3, 0.0)),
+        standing_box(np.array([0.4, 0.3, 0.3]), at=(-0.2, 0.0)),
+    )
     view = orbit_pose(np.array([0, 0, 0.1]), np.deg2rad(-70), np.deg2rad(40), 1.4)
     result = next_view(scan_of(small, large, view=view, rng=np.random.default_rng(0)), camera=CAMERA)
     assert len(result.current.boxes) == 2
@@ -248,7 +258,9 @@ def test_a_ball_is_looked_at_from_around_itself() -> None:
     assert np.linalg.norm(transform(scan.camera_to_world, result.target) - [0, 0, 0.2]) < 0.15
 
 
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason="a rejected object is planned for with the preset's image, not the scan's")
+@pytest.mark.xfail(
+    strict=True, raises=AssertionError, reason="a rejected object is planned for with the preset's image, not the scan's"
+)
 def test_a_ball_is_planned_for_with_the_camera_that_took_the_scan() -> None:
     """Twice the pixels each way are four times the returns; the camera named is the same."""
     fine = Intrinsics.from_field_of_view(448, 342, *np.deg2rad([62.0, 45.0]))
@@ -260,8 +272,9 @@ def test_a_ball_is_planned_for_with_the_camera_that_took_the_scan() -> None:
 
 @pytest.mark.parametrize(
     "options",
-    [{"tolerance": 0.0}, {"tolerance": -0.1}, {"tolerance": 1.0}, {"tolerance": float("nan")}, {"confidence": 0.0}, {"confidence": 1.0},
-     {"confidence": 1.5}, {"confidence": float("nan")}, {"objective": "surface"}, {"rig": "ring9"}, {"camera": "leica"}],
+    [{"tolerance": 0.0}, {"tolerance": -0.1}, {"tolerance": 1.0}, {"tolerance": float("nan")},
+     {"confidence": 0.0}, {"confidence": 1.0}, {"confidence": 1.5}, {"confidence": float("nan")},
+     {"objective": "surface"}, {"rig": "ring9"}, {"camera": "leica"}],
 )  # fmt: skip
 def test_settings_that_make_no_sense_are_refused_in_one_line(options: dict[str, Any]) -> None:
     with pytest.raises(ConfigError) as caught:

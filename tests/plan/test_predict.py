@@ -27,7 +27,9 @@ def seen(extents: list[float], azimuth: float, elevation: float, distance: float
 
 def moved_aside(azimuth: float, box: Box) -> np.ndarray:
     """A camera at the other end of an arc about the box, in the present camera's frame."""
-    about = box.box_to_camera @ pose(rotation_from_rotvec(np.array([0.0, 0.0, azimuth])), np.zeros(3)) @ inverse(box.box_to_camera)
+    about = (
+        box.box_to_camera @ pose(rotation_from_rotvec(np.array([0.0, 0.0, azimuth])), np.zeros(3)) @ inverse(box.box_to_camera)
+    )
     return np.asarray(about)
 
 
@@ -99,17 +101,22 @@ def test_naming_the_sides_otherwise_changes_no_score(box: Box, azimuth: float, q
     renamed = Knowledge(change @ now.information @ change.T, change @ now.systematic, now.inflation)
     policy = CovariancePolicy(POSE_SIGMA)
     scores = [
-        policy.assess(Belief((shape,), known, CAMERA, 1.2, True), there[None], 0.05)[0].score for shape, known in ((box, now), (same, renamed))
+        policy.assess(Belief((shape,), known, CAMERA, 1.2, True), there[None], 0.05)[0].score
+        for shape, known in ((box, now), (same, renamed))
     ]
     np.testing.assert_allclose(scores[0], scores[1], atol=1e-6)
 
 
 @given(boxes, st.floats(-3, 3), st.floats(-3, 3), st.lists(st.floats(-2, 2), min_size=3, max_size=3))
-def test_seeing_everything_from_another_frame_changes_no_prediction(box: Box, azimuth: float, turn: float, shift: list[float]) -> None:
+def test_seeing_everything_from_another_frame_changes_no_prediction(
+    box: Box, azimuth: float, turn: float, shift: list[float]
+) -> None:
     motion = pose(rotation_from_rotvec(np.array([0.2, turn, -0.3])), np.array(shift))
     there = moved_aside(azimuth, box)
     one, other = predict(box, there, CAMERA, 1.0), predict(box.in_frame(motion), motion @ there, CAMERA, 1.0)
-    np.testing.assert_allclose(other.knowledge.information, one.knowledge.information, rtol=1e-5, atol=1e-6 * np.abs(one.knowledge.information).max())
+    np.testing.assert_allclose(
+        other.knowledge.information, one.knowledge.information, rtol=1e-5, atol=1e-6 * np.abs(one.knowledge.information).max()
+    )
     assert [sight.name for sight in one.sights] == [sight.name for sight in other.sights]
     assert one.cut == other.cut
 

@@ -41,7 +41,14 @@ def test_there_are_no_other_presets_untested() -> None:
     assert set(RIGS) == {"ring8", "paper4", "pcnbv33"}
 
 
-@given(st.floats(-180, 180), st.floats(5, 80), st.floats(0.5, 2), st.floats(-30, 30), st.floats(-10, 10), st.sampled_from(sorted(RIGS)))
+@given(
+    st.floats(-180, 180),
+    st.floats(5, 80),
+    st.floats(0.5, 2),
+    st.floats(-30, 30),
+    st.floats(-10, 10),
+    st.sampled_from(sorted(RIGS)),
+)
 def test_every_station_is_a_camera_that_looks_at_the_target_upright(
     azimuth: float, elevation: float, distance: float, roll: float, aside: float, name: str
 ) -> None:
@@ -58,7 +65,9 @@ def test_every_station_is_a_camera_that_looks_at_the_target_upright(
 
 
 @given(st.floats(-180, 180), st.floats(5, 80), st.floats(0.5, 2))
-def test_the_ring_keeps_height_and_distance_and_starts_where_the_camera_is(azimuth: float, elevation: float, distance: float) -> None:
+def test_the_ring_keeps_height_and_distance_and_starts_where_the_camera_is(
+    azimuth: float, elevation: float, distance: float
+) -> None:
     camera = orbit_pose(TARGET, *np.deg2rad([azimuth, elevation]), distance)
     stations = placed(rig("ring8"), camera)
     np.testing.assert_allclose(stations[0], camera, atol=1e-6)
@@ -100,7 +109,7 @@ def test_pcnbv_stations_stand_in_the_directions_of_the_public_list(data_dir: Pat
 
 @pytest.mark.parametrize("name", sorted(RIGS))
 def test_a_camera_straight_overhead_has_stations_too(name: str) -> None:
-    camera = look_at(TARGET + [0, 0, 1.2], TARGET, np.array([0.0, 1.0, 0.0]))
+    camera = look_at(TARGET + np.array([0, 0, 1.2]), TARGET, np.array([0.0, 1.0, 0.0]))
     stations = placed(rig(name), camera)
     assert np.all(np.isfinite(stations))
     for station in stations:
@@ -111,7 +120,12 @@ def test_a_camera_straight_overhead_has_stations_too(name: str) -> None:
 
 def test_stations_keep_what_they_do_not_state_and_step_back_on_demand() -> None:
     camera = orbit_pose(TARGET, 0.4, np.deg2rad(40), 1.0)
-    stations = (Station(azimuth=1.0), Station(elevation=0.3), Station(distance=0.8), Station(azimuth=0.5, elevation=1.0, distance=2.0))
+    stations = (
+        Station(azimuth=1.0),
+        Station(elevation=0.3),
+        Station(distance=0.8),
+        Station(azimuth=0.5, elevation=1.0, distance=2.0),
+    )
     for factor in (1.0, 1.5):
         angles = [seen_from(station) for station in placed(Rig(name="t", stations=stations), camera, step_back=factor)]
         degrees = np.rad2deg(0.4)
@@ -180,7 +194,7 @@ def test_a_bad_rig_file_is_refused_in_one_line_that_names_it(case: str, tmp_path
 def test_a_view_is_named_by_its_place(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_text("[[view]]\n[[view]]\nsped = 3\n")
-    with pytest.raises(ConfigError, match="view 1.*sped"):
+    with pytest.raises(ConfigError, match=r"view 1.*sped"):
         rig(str(path))
 
 
@@ -188,7 +202,7 @@ def test_a_missing_file_and_an_unknown_preset_are_refused(tmp_path: Path) -> Non
     with pytest.raises(ConfigError, match=r"nowhere\.toml") as caught:
         rig(str(tmp_path / "nowhere.toml"))
     assert "\n" not in str(caught.value)
-    with pytest.raises(ConfigError, match="'ring9' is not known; choose one of .*paper4"):
+    with pytest.raises(ConfigError, match=r"'ring9' is not known; choose one of .*paper4"):
         rig("ring9")
     folder = tmp_path / "folder.toml"
     folder.mkdir()

@@ -102,8 +102,8 @@ def test_a_scan_carries_its_camera_its_pose_and_its_name() -> None:
 def test_the_noise_on_a_floor_is_the_sensors(change: dict[str, float], elevation_deg: float) -> None:
     """Standardised by range_sigma, the residuals of 38,304 pixels have spread one (standard error 0.4 %).
 
-    The slope term takes every pixel for one at the centre of the image; 12 degrees off axis that is 4 % too wide, so the camera is
-    narrow, and has the same pitch both ways.
+    The slope term takes every pixel for one at the centre of the image; 12 degrees off axis that is 4 % too wide, so the camera
+    is narrow, and has the same pitch both ways.
     """
     narrow = Intrinsics(width=224, height=171, fx=500.0, fy=500.0, cx=111.5, cy=85.0)
     camera = replace(CAMERA, range_max=20.0, intrinsics=narrow, **change)

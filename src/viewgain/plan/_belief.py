@@ -21,6 +21,11 @@ TYPICAL_EXTENT = 1.2
 """An open dimension is taken to be at most this long, metres, unless it is already longer."""
 
 
+LEAST_REACH = 0.6
+"""An open dimension is considered up to at least this, metres, whatever its interval says: the evidence against a longer one is
+missing returns alone, and a plan that is good for longer boxes too costs little."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Belief:
     """Equally likely boxes and the knowledge that goes with each."""
@@ -62,7 +67,7 @@ def belief_from(estimate: BoxEstimate) -> Belief:
         interval = estimate.intervals[axis]
         value = estimate.box.extents[axis]
         low = max(interval.low, PRIOR_EXTENT[0])
-        high = interval.high if np.isfinite(interval.high) else max(TYPICAL_EXTENT, 1.5 * low)
+        high = max(interval.high if np.isfinite(interval.high) else TYPICAL_EXTENT, LEAST_REACH, 1.5 * low)
         ridge = ridge_of[:, 6 + axis] / ridge_of[6 + axis, 6 + axis]
         lengths = low * max(high / low, 1.01) ** steps
         boxes = [box.moved(ridge * (length - value)) for length in lengths for box in boxes]
