@@ -41,7 +41,11 @@ class FixedPolicy:
 def run(options: argparse.Namespace) -> None:
     """Print the table."""
     with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
-        errors = list(pool.map(_scene_errors, range(FIRST_SEED, FIRST_SEED + options.scenes), [options.oracle] * options.scenes, chunksize=5))
+        errors = list(
+            pool.map(
+                _scene_errors, range(FIRST_SEED, FIRST_SEED + options.scenes), [options.oracle] * options.scenes, chunksize=5
+            )
+        )
     table = {name: np.array([error[name] for error in errors]) for name in errors[0]}
     print(f"## Closed loop: volume error after the second view, {options.scenes} seeded scenes, rig ring8, camera {CAMERA}\n")
     print(_SETTING)

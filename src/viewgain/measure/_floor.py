@@ -71,6 +71,8 @@ def _oriented_samples(image: RangeImage) -> tuple[Points, Points, Array]:
     """
     side = max(3, round(image.ranges.shape[1] / 56))
     means = _block_means(image.points, side)
+    if min(means.shape[:2]) < 5:
+        return np.empty((0, 3)), np.empty((0, 3)), np.empty(0)
     rows, columns = np.mgrid[2 : means.shape[0] - 2, 2 : means.shape[1] - 2].reshape(2, -1)
     centre = means[rows, columns]
     across = means[rows, columns + 2] - means[rows, columns - 2]

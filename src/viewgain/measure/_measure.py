@@ -90,24 +90,24 @@ def sensor_of(camera: str | Sensor | None) -> Sensor:
 def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bool) -> Measurement:
     """Return the boxes and the rejected objects on one floor."""
     segments = segment(image, floor)
-    queue = [segments.labels == k for k in range(1, min(segments.count, MAX_OBJECTS) + 1)]
+    queue = [(segments.labels == k, False) for k in range(1, min(segments.count, MAX_OBJECTS) + 1)]
     taken = segments.labels > 0
     boxes: list[BoxEstimate] = []
     rejected: list[Rejected] = []
     while queue and len(boxes) + len(rejected) < MAX_OBJECTS:
-        own = queue.pop(0)
-        outcome, parts = _estimate(image, floor, own, taken & ~own, model, noise_known=noise_known)
-        queue += parts
+        own, split_off = queue.pop(0)
+        outcome, parts = _estimate(image, floor, own, taken & ~own, model, noise_known=noise_known, touching=split_off)
+        queue += [(part, True) for part in parts]
         if isinstance(outcome, BoxEstimate):
             boxes.append(outcome)
         else:
             rejected.append(_rejected(outcome, image, own))
     reason = None if boxes else rejected[0].reason if rejected else "nothing_on_floor"
-    return Measurement((), floor, tuple(boxes), reason, tuple(rejected))
+    return Measurement((), floor, tuple(boxes), reason, tuple(sorted(rejected, key=lambda refused: -refused.returns)))
 
 
 def _estimate(
-    image: RangeImage, floor: Floor, own: Mask, other: Mask, model: Sensor, *, noise_known: bool
+    image: RangeImage, floor: Floor, own: Mask, other: Mask, model: Sensor, *, noise_known: bool, touching: bool
 ) -> tuple[BoxEstimate | Refusal, list[Mask]]:
     """Return the box fitted to one object, or the reason against it, and the parts of the object that are not this box."""
     if own.sum() < MIN_PIXELS:
@@ -120,7 +120,7 @@ def _estimate(
         fit = _fit(image, floor, own, other, model, noise_known=noise_known, start=fit.box)
     else:
         parts = []
-    return _judged(fit, image, floor, own, touching=bool(parts)), parts
+    return _judged(fit, image, floor, own, touching=touching or bool(parts)), parts
 
 
 def _fit(

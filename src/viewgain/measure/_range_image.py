@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from viewgain.arrays import Array, Image, Indices, Mask, Points, Points2
 from viewgain.camera import Intrinsics
-from viewgain.scans import Scan
+from viewgain.scans import MIN_POINTS, Scan
 
 _POLYNOMIAL_DEGREE = 5
 
@@ -99,7 +99,7 @@ class LensMap:
 
 
 def range_image(scan: Scan) -> RangeImage:
-    """Return the working form of ``scan``; points behind the camera (z <= 0) are left out."""
+    """Return the working form of ``scan``; points behind the camera are left out, and if few remain the image is empty."""
     if scan.shape is None or scan.pixels is None:
         return _from_cloud(scan.points)
     height, width = scan.shape
@@ -123,6 +123,11 @@ def range_image(scan: Scan) -> RangeImage:
 
 def _from_cloud(points: Points) -> RangeImage:
     points = points[points[:, 2] > 1e-6]
+    if len(points) < MIN_POINTS:
+        nothing = Intrinsics(width=1, height=1, fx=1.0, fy=1.0, cx=0.0, cy=0.0)
+        return RangeImage(
+            np.full((1, 1), np.nan), np.array([[[0.0, 0.0, 1.0]]]), np.zeros((1, 1), dtype=bool), nothing, None, False
+        )
     image = points[:, :2] / points[:, 2:]
     low, high = np.quantile(image, [0.001, 0.999], axis=0)
     margin = 0.02 * (high - low)

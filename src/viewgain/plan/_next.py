@@ -217,7 +217,7 @@ def _best(candidates: tuple[Candidate, ...], *, settle: bool) -> int | None:
     if not reachable:
         return None
     top = max(candidate.assessment.score for candidate in reachable)
-    left = (1 - top) * (1 + INDIFFERENT)
-    tied = [candidate for candidate in reachable if 1 - candidate.assessment.score <= left]
+    least = top - INDIFFERENT * abs(1 - top)
+    tied = [candidate for candidate in reachable if candidate.assessment.score >= least]
     elsewhere = [candidate for candidate in tied if candidate.travel > STAYING]
     return min(tied if settle or not elsewhere else elsewhere, key=lambda candidate: candidate.travel).index

@@ -42,6 +42,10 @@ class Rig:
     min_height: float = 0.05
     """Lowest the camera may stand above the floor, metres."""
 
+    def __post_init__(self) -> None:
+        if not self.stations or not np.isfinite([self.min_distance, self.min_height]).all():
+            raise ConfigError(f"rig {self.name}: wanted at least one station, and finite min_distance and min_height")
+
 
 def _ring(count: int) -> tuple[Station, ...]:
     return tuple(Station(azimuth=2 * np.pi * k / count) for k in range(count))
