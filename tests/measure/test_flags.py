@@ -228,11 +228,6 @@ def test_two_steps_are_split_and_the_first_is_flagged_touching() -> None:
     assert low.volume < tall.volume
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="what is split off is measured without the flag, so a wrong part passes as a flawless box",
-)
 def test_whatever_was_split_off_another_object_is_flagged_touching() -> None:
     found = [box for azimuth_deg in (35, 50, 130) for box in two_steps(azimuth_deg)]
     assert all("touching" in box.flags for box in found)

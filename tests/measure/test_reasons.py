@@ -123,19 +123,15 @@ def kept(scan: Scan, mask: np.ndarray) -> Scan:
     return Scan.from_array(np.where(mask[..., None], scan.organised(), np.nan))
 
 
-CRASHES = pytest.mark.xfail(
-    strict=True, raises=(ValueError, IndexError), reason="crashes: too few rows or columns for the floor's blocks"
-)
-BEHIND = pytest.mark.xfail(strict=True, raises=IndexError, reason="crashes: no point before the camera is left")
 POORLY = {
-    "one point over and over": (lambda scan: Scan.from_array(np.tile([0.1, 0.1, 1.0], (200, 1))), CRASHES),
-    "a straight line": (lambda scan: Scan.from_array(np.linspace([-1, 0, 1], [1, 0, 1], 500)), CRASHES),
-    "one row of an image": (lambda scan: rows(scan, 100, 101), CRASHES),
-    "two rows of an image": (lambda scan: rows(scan, 100, 102), CRASHES),
-    "one column of an image": (lambda scan: Scan.from_array(scan.organised()[:, 100:101]), CRASHES),
-    "a hundred points": (lambda scan: Scan.from_array(scan.points[:: len(scan.points) // 110]), CRASHES),
+    "one point over and over": (lambda scan: Scan.from_array(np.tile([0.1, 0.1, 1.0], (200, 1))), ()),
+    "a straight line": (lambda scan: Scan.from_array(np.linspace([-1, 0, 1], [1, 0, 1], 500)), ()),
+    "one row of an image": (lambda scan: rows(scan, 100, 101), ()),
+    "two rows of an image": (lambda scan: rows(scan, 100, 102), ()),
+    "one column of an image": (lambda scan: Scan.from_array(scan.organised()[:, 100:101]), ()),
+    "a hundred points": (lambda scan: Scan.from_array(scan.points[:: len(scan.points) // 110]), ()),
     "a thousand points": (lambda scan: Scan.from_array(scan.points[:: len(scan.points) // 1000]), ()),
-    "all behind the camera": (lambda scan: Scan.from_array(-scan.points), BEHIND),
+    "all behind the camera": (lambda scan: Scan.from_array(-scan.points), ()),
     "an image behind the camera": (lambda scan: Scan.from_array(-scan.organised()), ()),
     "one pixel in fifty": (lambda scan: kept(scan, np.random.default_rng(0).random((171, 224)) < 0.02), ()),
     "every fourth row": (lambda scan: kept(scan, np.indices((171, 224))[0] % 4 == 1), ()),

@@ -64,7 +64,7 @@ def test_every_station_is_a_camera_that_looks_at_the_target_upright(
             assert station[2, 1] < 0
 
 
-@given(st.floats(-180, 180), st.floats(5, 80), st.floats(0.5, 2))
+@given(st.floats(-180, 180), st.floats(11, 80), st.floats(0.5, 2))
 def test_the_ring_keeps_height_and_distance_and_starts_where_the_camera_is(
     azimuth: float, elevation: float, distance: float
 ) -> None:
@@ -156,7 +156,6 @@ def test_a_rig_file_without_name_and_limits_has_the_defaults(tmp_path: Path) -> 
     assert (rig(str(path)).name, rig(str(path)).min_distance, rig(str(path)).min_height) == ("arm-7", 0.25, 0.05)
 
 
-NOT_REFUSED = pytest.mark.xfail(strict=True, reason="taken as it is: with a limit of nan no station is ever reachable")
 BAD = {
     "no view": ("name = 'x'\n", ()),
     "an empty list of views": ("view = []\n", ()),
@@ -175,7 +174,7 @@ BAD = {
     "a pose in words": ("[[view]]\ncamera_to_world = 'home'\n", ()),
     "a pose that is not finite": ("[[view]]\ncamera_to_world = [[1,0,0,nan],[0,1,0,0],[0,0,1,0],[0,0,0,1]]\n", ()),
     "a limit in words": ("min_height = 'low'\n[[view]]\n", ()),
-    "a limit that is no number": ("min_distance = nan\n[[view]]\n", NOT_REFUSED),
+    "a limit that is no number": ("min_distance = nan\n[[view]]\n", ()),
     "broken TOML": ("[[view]\n", ()),
     "not text": (b"\xff\xfe\x00\x01", ()),
 }

@@ -150,7 +150,8 @@ def _from_table(content: dict[str, object], path: Path) -> Rig:
             min_height=float(content.get("min_height", 0.05)),  # type: ignore[arg-type]
         )
     except (TypeError, ValueError) as error:
-        raise error if isinstance(error, ConfigError) else ConfigError(f"{path}: {error}") from error
+        named = str(path) in str(error)
+        raise error if named and isinstance(error, ConfigError) else ConfigError(f"{path}: {error}") from error
 
 
 def _station(view: dict[str, object], where: str) -> Station:
