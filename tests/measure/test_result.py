@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import Any
 
 import numpy as np
@@ -58,6 +58,14 @@ def floorless() -> Measurement:
 def only(measurement: Measurement) -> BoxEstimate:
     (box,) = measurement.boxes
     return box
+
+
+def with_extents(box: BoxEstimate, extents: list[float], low: float | None = None) -> BoxEstimate:
+    """The estimate with other extents, one per cent wide intervals, and perhaps a first side open above ``low``."""
+    intervals = [Interval(0.98 * extent, 1.02 * extent, 0.01 * extent) for extent in extents]
+    if low is not None:
+        intervals[0] = Interval(low, np.inf, np.nan)
+    return replace(box, box=Box(box.box.box_to_camera, np.array(extents)), intervals=tuple(intervals))
 
 
 def written(measurement: Measurement) -> dict[str, Any]:
@@ -137,6 +145,18 @@ def test_the_pose_is_rigid_at_the_centre_with_axes_along_the_dimensions(measured
         np.testing.assert_allclose(pose[:3, 3], transform(frame, truth.centre), atol=0.006)
 
 
+@pytest.mark.parametrize("extents", list(permutations([0.45, 0.35, 0.25])))
+def test_the_pose_is_no_mirror_image_whichever_side_is_the_longest(measured: Measurement, extents: tuple[float, ...]) -> None:
+    """Six orders of the sides, three of them odd: the axes follow the dimensions and still make a right hand."""
+    box = with_extents(only(measured), list(extents))
+    pose = box.oriented()
+    np.testing.assert_allclose(np.linalg.det(pose[:3, :3]), 1, atol=1e-9)
+    for place, axis in enumerate(box.order):
+        np.testing.assert_allclose(abs(pose[:3, place] @ box.box.box_to_camera[:3, axis]), 1, atol=1e-9)
+        np.testing.assert_allclose(box.dimensions[place], extents[axis])
+    np.testing.assert_allclose(pose[:3, 3], box.box.centre)
+
+
 def test_the_vertical_axis_of_the_pose_stands_upright_in_the_world(measured: Measurement) -> None:
     content = written(measured)["boxes"][0]
     axis = np.array(content["box_to_world"])[:3, content["vertical"]]
@@ -200,14 +220,6 @@ def test_the_reported_box_has_its_front_where_it_was_seen_even_where_its_depth_i
         for centre, length in ((pose[:3, 3], content["dimensions_m"][place]), (box.box.centre, box.box.extents[long]))
     ]
     np.testing.assert_allclose(fronts[0], fronts[1], atol=1e-3)
-
-
-def with_extents(box: BoxEstimate, extents: list[float], low: float | None = None) -> BoxEstimate:
-    """The estimate with other extents, one per cent wide intervals, and perhaps a first side open above ``low``."""
-    intervals = [Interval(0.98 * extent, 1.02 * extent, 0.01 * extent) for extent in extents]
-    if low is not None:
-        intervals[0] = Interval(low, np.inf, np.nan)
-    return replace(box, box=Box(box.box.box_to_camera, np.array(extents)), intervals=tuple(intervals))
 
 
 @pytest.mark.xfail(strict=True, raises=AssertionError, reason="an interval is rounded to 1e-5, its estimate to 1e-6")
