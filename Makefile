@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench setup clean
+.PHONY: help demo test test-fast check format bench bench-sim setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -36,6 +36,9 @@ format: $(VENV)/dev.stamp ## Sort imports and format the code in place
 
 bench: $(VENV)/dev.stamp ## Run the benchmarks (ARGS="..." is passed on)
 	$(BIN)/python -m benchmarks $(ARGS)
+
+bench-sim: $(VENV)/dev.stamp ## Time the simulator, with the whole synthetic set of the paper
+	$(BIN)/python -m benchmarks simulation --captures 1000 $(ARGS)
 
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 

@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from viewgain.measure import fuse as fuse
     from viewgain.measure import measure as measure
     from viewgain.plan import NextView as NextView
-    from viewgain.plan import Rig as Rig
     from viewgain.plan import next_view as next_view
-    from viewgain.plan import rig as rig
+    from viewgain.rigs import RIGS as RIGS
+    from viewgain.rigs import Rig as Rig
+    from viewgain.rigs import rig as rig
     from viewgain.scans import Scan as Scan
     from viewgain.scans import read_scan as read_scan
     from viewgain.scans import write_scan as write_scan
@@ -37,9 +38,10 @@ _ROOMS = {
     "fuse": "measure",
     "measure": "measure",
     "NextView": "plan",
-    "Rig": "plan",
     "next_view": "plan",
-    "rig": "plan",
+    "RIGS": "rigs",
+    "Rig": "rigs",
+    "rig": "rigs",
     "Scan": "scans",
     "read_scan": "scans",
     "write_scan": "scans",

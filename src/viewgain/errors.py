@@ -18,3 +18,7 @@ class ConfigError(ViewgainError, ValueError):
 
 class MissingExtraError(ViewgainError, ImportError):
     """A feature needs an optional dependency that is not installed."""
+
+
+class MeshError(ViewgainError, ValueError):
+    """A mesh cannot be read or used: missing, empty, without area, with numbers that are not finite, or too large."""

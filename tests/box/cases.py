@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from viewgain.box import Box
 from viewgain.geometry import inverse
-from viewgain.simulate import orbit_pose, standing_box
+from viewgain.scenes import orbit_pose, standing_box
 
 
 def seen_box(extents: list[float], yaw: float, elevation: float, distance: float, azimuth: float, roll: float) -> Box:

@@ -5,9 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.oracles.scenes import MODELLED
 from viewgain.camera import sensor
 from viewgain.scans import write_scan
-from viewgain.simulate import Scene, capture, orbit_pose, standing_box
+from viewgain.scenes import Scene, orbit_pose, standing_box
+from viewgain.simulate import capture
 
 EXTENTS = np.array([0.40, 0.30, 0.20])
 
@@ -20,10 +22,12 @@ def scans(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = box.centre
     for name, azimuth in (("one", 0.0), ("two", 2.0)):
         pose = orbit_pose(target, azimuth, np.deg2rad(38), 1.1)
-        scan = capture(Scene((box,)), pose, camera, rng=np.random.default_rng(int(10 * azimuth)))
+        scan = capture(Scene((box,)), pose, camera, rng=np.random.default_rng(int(10 * azimuth)), effects=MODELLED)
         write_scan(scan, folder / f"{name}.png", depth_scale=1e-4)
         write_scan(scan, folder / f"{name}.ply")
         np.savetxt(folder / f"{name}_pose.txt", pose)
-    floor = capture(Scene(()), orbit_pose(target, 0.0, np.deg2rad(38), 1.1), camera, rng=np.random.default_rng(5))
+    floor = capture(
+        Scene(()), orbit_pose(target, 0.0, np.deg2rad(38), 1.1), camera, rng=np.random.default_rng(5), effects=MODELLED
+    )
     write_scan(floor, folder / "floor.npz")
     return folder

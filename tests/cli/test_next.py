@@ -60,7 +60,7 @@ def test_a_bare_floor_has_a_reason_and_exit_3(scans: Path, capsys: pytest.Captur
     assert plan["candidates"] == []
 
 
-WRONG = [("--rig", "ring9"), ("--tolerance", "2"), ("--confidence", "0"), ("--rig", "none.toml")]
+WRONG = [("--rig", "ring0"), ("--tolerance", "2"), ("--confidence", "0"), ("--rig", "none.toml")]
 
 
 @pytest.mark.parametrize(("option", "value"), WRONG)

@@ -11,8 +11,9 @@ from viewgain.episodes import Episode, World, run_episode, volume_error
 from viewgain.errors import ScanError
 from viewgain.geometry import inverse
 from viewgain.measure import measure
-from viewgain.plan import Rig, Station
-from viewgain.simulate import Scene, capture, orbit_pose, random_box, random_view, standing_box
+from viewgain.rigs import Rig, Station
+from viewgain.scenes import Scene, orbit_pose, random_box, random_view, standing_box
+from viewgain.simulate import Effects, capture
 
 
 def crate() -> Scene:
@@ -23,9 +24,11 @@ VIEW = corner_view(crate().boxes[0])
 
 
 def test_a_scan_of_the_world_is_miscalibrated_and_labelled_with_the_pose_believed_in() -> None:
-    world = World(crate(), CAMERA, scale=0.01, offset=-0.02)
+    perfect = Effects.only()
+    far_sighted = replace(CAMERA, range_max=100.0)
+    world = World(crate(), far_sighted, scale=0.01, offset=-0.02, effects=perfect)
     believed = orbit_pose(np.zeros(3), 0.1, 0.5, 1.0)
-    clean = capture(world.scene, VIEW, CAMERA, rng=np.random.default_rng(0))
+    clean = capture(world.scene, VIEW, far_sighted, rng=np.random.default_rng(0), effects=perfect)
     scan = world.scan(VIEW, believed, np.random.default_rng(0))
     np.testing.assert_allclose(scan.camera_to_world, believed, atol=1e-12)
     expected = np.linalg.norm(clean.points, axis=1) * 1.01 - 0.02

@@ -6,7 +6,7 @@ import pytest
 from viewgain.camera import sensor
 from viewgain.episodes import World, run_episode
 from viewgain.plan import RandomPolicy
-from viewgain.simulate import Scene, SceneRanges, orbit_pose, random_box, random_view, standing_box
+from viewgain.scenes import Scene, SceneRanges, orbit_pose, random_box, random_view, standing_box
 
 CAMERA = sensor("pico_flexx")
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from viewgain.geometry import Plane, fit_plane, floor_to_camera, inverse, pose, require_rigid, rotation_from_rotvec, transform
-from viewgain.simulate import orbit_pose
+from viewgain.scenes import orbit_pose
 
 rotvecs = arrays(float, 3, elements=st.floats(-3, 3))
 

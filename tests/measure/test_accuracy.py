@@ -5,13 +5,23 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.oracles.scenes import CAMERA, WELL_SEEN, aligned_extents, corner_view, holds, in_world, relative_volume_error, scan_of
+from tests.oracles.scenes import (
+    CAMERA,
+    WELL_SEEN,
+    aligned_extents,
+    corner_view,
+    holds,
+    in_world,
+    miscalibrated,
+    relative_volume_error,
+    scan_of,
+)
 from viewgain.box import Box, entry_mask
 from viewgain.camera import sensor
 from viewgain.geometry import inverse
 from viewgain.measure import LOOSE_PRIOR, BoxEstimate, measure
 from viewgain.scans import Scan
-from viewgain.simulate import miscalibrated, orbit_pose, pixel_directions, random_box, random_view, standing_box
+from viewgain.scenes import orbit_pose, random_box, random_view, standing_box
 
 
 def only_box(scan: Scan, **settings: object) -> BoxEstimate:
@@ -174,7 +184,7 @@ def test_an_empty_scan_stands_in_for_a_floor_that_the_scan_itself_does_not_show(
     view = corner_view(box, azimuth_deg=rng.uniform(20, 70), elevation_deg=rng.uniform(30, 55), distance=1.1)
     full, empty = scan_of(box, view=view, rng=rng), scan_of(view=view, rng=rng)
     image = full.organised()
-    hit = entry_mask(box.in_frame(inverse(view)), pixel_directions(CAMERA.intrinsics, 0.0, None))
+    hit = entry_mask(box.in_frame(inverse(view)), CAMERA.intrinsics.directions().reshape(-1, 3))
     image[~hit.reshape(image.shape[:2])] = np.nan
     found = only_box(Scan.from_array(image, intrinsics=full.intrinsics), floor=empty)
     np.testing.assert_allclose(found.dimensions[found.vertical], box.extents[2], atol=0.008)

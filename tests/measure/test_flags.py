@@ -8,7 +8,7 @@ from viewgain.box import Box, box_hits, entry_mask
 from viewgain.geometry import inverse
 from viewgain.measure import BoxEstimate, measure
 from viewgain.scans import Scan
-from viewgain.simulate import orbit_pose, pixel_directions, standing_box
+from viewgain.scenes import orbit_pose, standing_box
 
 
 def middling() -> Box:
@@ -141,7 +141,7 @@ def test_a_bulging_face_is_flagged_bent_with_the_sign_of_its_bulge(depth: float)
     box, rng = standing_box(np.array([0.4, 0.4, 0.35])), np.random.default_rng(3)
     view = corner_view(box, azimuth_deg=35, elevation_deg=30)
     scan = scan_of(box, view=view, rng=rng)
-    seen, rays = box.in_frame(inverse(view)), pixel_directions(CAMERA.intrinsics, 0.0, None)
+    seen, rays = box.in_frame(inverse(view)), CAMERA.intrinsics.directions().reshape(-1, 3)
     hits = box_hits(seen, rays)
     local = (rays * np.minimum(hits.ranges, 9)[:, None] - seen.box_to_camera[:3, 3]) @ seen.box_to_camera[:3, :3]
     front = entry_mask(seen, rays) & (hits.planes == 0)
@@ -180,7 +180,7 @@ def test_returns_are_those_on_the_box() -> None:
     box = middling()
     view = corner_view(box)
     scan = scan_of(box, view=view, rng=np.random.default_rng(5))
-    hit = entry_mask(box.in_frame(inverse(view)), pixel_directions(CAMERA.intrinsics, 0.0, None))
+    hit = entry_mask(box.in_frame(inverse(view)), CAMERA.intrinsics.directions().reshape(-1, 3))
     true = np.count_nonzero(hit[scan.pixels])
     found = found_in(scan)
     assert 0.9 * true < found.quality.returns <= 1.01 * true

@@ -11,7 +11,7 @@ from viewgain.errors import ConfigError
 from viewgain.geometry import inverse, pose, rotation_from_rotvec, transform
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, fuse_measurements, measure
 from viewgain.scans import Scan
-from viewgain.simulate import orbit_pose, random_box, standing_box
+from viewgain.scenes import orbit_pose, random_box, standing_box
 
 
 def off(view: np.ndarray, rng: np.random.Generator, sigma: tuple[float, float] = POSE_SIGMA) -> np.ndarray:

@@ -9,7 +9,7 @@ from tests.oracles.scenes import CAMERA, WELL_SEEN, corner_view, scan_of
 from viewgain.camera import Intrinsics
 from viewgain.measure import measure
 from viewgain.scans import Scan
-from viewgain.simulate import random_box, random_view, standing_box
+from viewgain.scenes import random_box, random_view, standing_box
 
 
 def noisy_scan(seed: int) -> Scan:

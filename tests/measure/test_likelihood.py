@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from tests.oracles.derivatives import along_steps
-from tests.oracles.scenes import CAMERA, WELL_SEEN, aligned_extents, scan_of
+from tests.oracles.scenes import CAMERA, UNMIXED, WELL_SEEN, aligned_extents, scan_of
 from viewgain.box import Box
 from viewgain.geometry import inverse
 from viewgain.measure import BoxEstimate, measure
 from viewgain.measure._fit import COARSE, FINE, SHARP, refine
 from viewgain.measure._likelihood import Evaluation, evaluate
-from viewgain.simulate import random_box, random_view
+from viewgain.scenes import random_box, random_view
 
 LEVELS = {"blurred": COARSE[1], "fine": FINE[0], "sharp": SHARP[0]}
 
@@ -21,7 +21,7 @@ def case(request: pytest.FixtureRequest) -> tuple[BoxEstimate, Box]:
     rng = np.random.default_rng(request.param)
     box = random_box(rng, WELL_SEEN)
     view = random_view(rng, box, WELL_SEEN)
-    return measure(scan_of(box, view=view, rng=rng), camera=CAMERA).boxes[0], box.in_frame(inverse(view))
+    return measure(scan_of(box, view=view, rng=rng, effects=UNMIXED), camera=CAMERA).boxes[0], box.in_frame(inverse(view))
 
 
 def at(box: Box, found: BoxEstimate, level: str, pixels: np.ndarray | None = None) -> Evaluation:

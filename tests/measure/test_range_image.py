@@ -7,7 +7,7 @@ from tests.oracles.scenes import CAMERA, corner_view, scan_of
 from viewgain.camera import Intrinsics
 from viewgain.measure import range_image
 from viewgain.scans import Scan
-from viewgain.simulate import standing_box
+from viewgain.scenes import standing_box
 
 LENS = Intrinsics(width=120, height=90, fx=100.0, fy=98.0, cx=58.0, cy=46.0, distortion=(-0.2, 0.06, 0.001, -0.0005))
 

@@ -10,7 +10,7 @@ from tests.oracles.scenes import CAMERA, corner_view, scan_of
 from viewgain.errors import ConfigError
 from viewgain.measure import REASONS, measure
 from viewgain.scans import Scan
-from viewgain.simulate import orbit_pose, standing_box
+from viewgain.scenes import orbit_pose, standing_box
 
 
 def view_of_the_floor(elevation_deg: float = 40.0) -> np.ndarray:

@@ -15,7 +15,7 @@ from viewgain.geometry import inverse, require_rigid, transform
 from viewgain.measure import REASONS, SCHEMA, BoxEstimate, Measurement, measure
 from viewgain.measure._uncertainty import Interval
 from viewgain.scans import Scan
-from viewgain.simulate import orbit_pose, standing_box
+from viewgain.scenes import orbit_pose, standing_box
 
 BOX_KEYS = {
     "dimensions_m", "sigma_m", "interval90_m", "vertical", "volume_m3", "volume_sigma_m3", "volume_interval90_m3",

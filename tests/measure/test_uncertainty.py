@@ -12,7 +12,7 @@ from viewgain.camera import sensor
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import LOOSE_PRIOR, Knowledge, marginal, measure, pose_precision, without_edge_bias
 from viewgain.scans import Scan
-from viewgain.simulate import random_box, random_view
+from viewgain.scenes import random_box, random_view
 
 seeds = st.integers(0, 10_000)
 

@@ -11,12 +11,17 @@ from viewgain.box import Box
 from viewgain.camera import Intrinsics, Sensor, sensor
 from viewgain.measure import BoxEstimate
 from viewgain.scans import Scan
-from viewgain.simulate import Scene, SceneRanges, capture, orbit_pose, standing_box
+from viewgain.scenes import Scene, SceneRanges, orbit_pose, standing_box
+from viewgain.simulate import Effects, capture
 
 Array = NDArray[np.float64]
 
 CAMERA = sensor("pico_flexx").without_systematic()
-"""The default camera, perfectly calibrated: what a simulated scan without :func:`viewgain.simulate.miscalibrated` shows."""
+"""The default camera, perfectly calibrated: what a simulated scan without :func:`miscalibrated` shows."""
+UNMIXED = Effects.only("noise", "loss")
+"""No mixed pixels: for tests of the mathematics, not of how well it does at edges."""
+MODELLED = Effects().without("multipath")
+"""What the estimator knows of: light that comes by way of another surface is no part of its likelihood."""
 WELL_SEEN = SceneRanges(extent=(0.15, 0.45), elevation_deg=(28.0, 50.0), distance=(1.0, 1.5), aim_sd=0.02)
 """Scenes in which nothing is cut or open: a box well inside the image, its top well in view."""
 
@@ -31,10 +36,21 @@ def corner_view(
 
 
 def scan_of(
-    *boxes: Box, view: Array, camera: Sensor = CAMERA, rng: np.random.Generator | None = None, source: str = "simulated"
+    *boxes: Box,
+    view: Array,
+    camera: Sensor = CAMERA,
+    rng: np.random.Generator | None = None,
+    effects: Effects = MODELLED,
+    source: str = "simulated",
 ) -> Scan:
     """Return a scan of boxes from a view; a perfect camera without ``rng``."""
-    return capture(Scene(boxes), view, camera, rng=rng, source=source)
+    return capture(Scene(boxes), view, camera, rng=rng, source=source, effects=effects)
+
+
+def miscalibrated(scan: Scan, *, scale: float, offset: float) -> Scan:
+    """Return the scan as a camera with a relative range error and a constant one (metres) reports it."""
+    distance = np.linalg.norm(scan.points, axis=1, keepdims=True)
+    return replace(scan, points=scan.points * (1 + scale + offset / distance))
 
 
 def in_world(estimate: BoxEstimate, camera_to_world: Array) -> Box:
@@ -71,7 +87,7 @@ class BenchScan:
     @property
     def camera(self) -> Sensor:
         """The camera that took it: its noise is known, its calibration perfect."""
-        return replace(CAMERA, noise_per_metre=self.sigma)
+        return replace(CAMERA, noise_per_metre=self.sigma, jitter_px=0.3)
 
 
 def read_bench(path: Path) -> BenchScan:

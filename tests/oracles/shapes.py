@@ -5,7 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from tests.oracles.rays import corners_of
+from viewgain.box import Box
 from viewgain.camera import Sensor
+from viewgain.meshes import TriangleMesh
 from viewgain.scans import Scan
 
 Array = NDArray[np.float64]
@@ -80,3 +83,10 @@ def _roots(a: Array, half_b: Array, c: Array) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         both = np.stack([(-half_b - np.sqrt(root)) / a, (-half_b + np.sqrt(root)) / a])
     return np.where(np.isfinite(both) & (both > 1e-9), both, np.inf)
+
+
+def box_mesh(box: Box) -> TriangleMesh:
+    """Return the twelve triangles of a box, in the frame that the box is given in."""
+    quads = [(1, 3, 7, 5), (0, 4, 6, 2), (2, 6, 7, 3), (0, 1, 5, 4), (4, 5, 7, 6), (0, 2, 3, 1)]
+    faces = [triangle for a, b, c, d in quads for triangle in ((a, b, c), (a, c, d))]
+    return TriangleMesh(corners_of(box), np.array(faces, dtype=np.int32), "box")

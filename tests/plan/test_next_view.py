@@ -13,9 +13,10 @@ from viewgain.camera import Intrinsics
 from viewgain.errors import ConfigError
 from viewgain.geometry import pose, rotation_from_rotvec, transform
 from viewgain.measure import POSE_SIGMA, fuse_measurements, measure
-from viewgain.plan import Assessment, Belief, NextView, Rig, Station, directions_in_words, next_view
+from viewgain.plan import Assessment, Belief, NextView, directions_in_words, next_view
+from viewgain.rigs import Rig, Station
 from viewgain.scans import Scan
-from viewgain.simulate import orbit_pose, random_box, random_view, standing_box
+from viewgain.scenes import orbit_pose, random_box, random_view, standing_box
 
 KEYS = {
     "schema", "rig", "objective", "policy", "current", "candidates", "best", "stop", "p_within_tolerance", "tolerance",
@@ -273,7 +274,7 @@ def test_a_ball_is_planned_for_with_the_camera_that_took_the_scan() -> None:
     "options",
     [{"tolerance": 0.0}, {"tolerance": -0.1}, {"tolerance": 1.0}, {"tolerance": float("nan")},
      {"confidence": 0.0}, {"confidence": 1.0}, {"confidence": 1.5}, {"confidence": float("nan")},
-     {"objective": "surface"}, {"rig": "ring9"}, {"camera": "leica"}],
+     {"objective": "surface"}, {"rig": "ring0"}, {"camera": "leica"}],
 )  # fmt: skip
 def test_settings_that_make_no_sense_are_refused_in_one_line(options: dict[str, Any]) -> None:
     with pytest.raises(ConfigError) as caught:

@@ -14,7 +14,7 @@ from viewgain.geometry import inverse, pose, rotation_from_rotvec
 from viewgain.measure import LOOSE_PRIOR, Knowledge
 from viewgain.plan import CovariancePolicy, predict
 from viewgain.plan._belief import Belief, normal_within, outlook, relative_sigma
-from viewgain.simulate import orbit_pose, pixel_directions, standing_box
+from viewgain.scenes import orbit_pose, standing_box
 
 POSE_SIGMA = (0.003, 0.005)
 
@@ -40,7 +40,7 @@ boxes = st.builds(
 
 def by_single_pixels(box: Box, camera: Sensor) -> tuple[np.ndarray, dict[str, float]]:
     """The slow twin: (9, 9) information of every range reading, one pixel after the other, and the returns of each face."""
-    rays = pixel_directions(camera.intrinsics, 0.0, None)
+    rays = camera.intrinsics.directions().reshape(-1, 3)
     hit = entry_mask(box, rays)
     faces, ground = box_hits(box, rays), floor_hits(box, rays)
     corners = camera.intrinsics.project(box.corners())

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from tests.oracles.scenes import MODELLED
 from viewgain.camera import sensor
 from viewgain.measure import LOOSE_PRIOR, Knowledge, marginal, measure, pose_precision
 from viewgain.plan import predict
-from viewgain.simulate import Scene, SceneRanges, capture, random_box, random_view
+from viewgain.scenes import Scene, SceneRanges, random_box, random_view
+from viewgain.simulate import capture
 
 CAMERA = sensor("pico_flexx").without_systematic()
 
@@ -23,7 +25,7 @@ def test_predicted_sigmas_of_the_present_view_are_the_measured_ones() -> None:
         rng = np.random.default_rng(seed)
         box = random_box(rng)
         view = random_view(rng, box, SceneRanges(elevation_deg=(28, 50), aim_sd=0.02, distance=(1.0, 1.4)))
-        measured = measure(capture(Scene((box,)), view, CAMERA, rng=rng), camera=CAMERA).boxes[0]
+        measured = measure(capture(Scene((box,)), view, CAMERA, rng=rng, effects=MODELLED), camera=CAMERA).boxes[0]
         expected = predict(measured.box, np.eye(4), CAMERA, measured.views[0].noise)
         ratios.append(sigmas(expected.knowledge) / sigmas(measured.knowledge))
     middle = np.median(ratios, axis=0)

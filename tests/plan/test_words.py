@@ -5,7 +5,7 @@ import pytest
 
 from viewgain.geometry import inverse, look_at, pose, rotation_from_rotvec, transform
 from viewgain.plan import directions_in_words
-from viewgain.simulate import orbit_pose
+from viewgain.scenes import orbit_pose
 
 TARGET = np.array([0.0, 0.0, 0.2])
 PRESENT = (30.0, 40.0, 1.0)

@@ -9,7 +9,7 @@ from viewgain.camera import sensor
 from viewgain.episodes import Episode, Step, World, run_episode
 from viewgain.measure import Rejected
 from viewgain.plan import next_view
-from viewgain.simulate import Scene, orbit_pose, standing_box
+from viewgain.scenes import Scene, orbit_pose, standing_box
 
 CAMERA = sensor("pico_flexx")
 

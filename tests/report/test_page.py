@@ -102,7 +102,7 @@ def test_an_open_dimension_is_a_lower_bound_without_error(page: Element) -> None
 def test_a_measured_dimension_stands_beside_its_truth(page: Element, episode: Episode) -> None:
     for row, true in zip(rows(section(page, 2).all("table")[0]), (450.0, 300.0, 250.0, 33.75), strict=True):
         assert float(row[6]) == true
-        assert float(row[1]) == pytest.approx(true, rel=0.03)
+        assert float(row[1]) == pytest.approx(true, rel=0.05)
         assert f"{float(row[1]) - true:+.2f}".replace("-", "−")[:4] == row[7][:4]
 
 

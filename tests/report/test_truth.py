@@ -9,7 +9,7 @@ from viewgain.episodes import Episode
 from viewgain.geometry import inverse, pose, rotation_from_rotvec
 from viewgain.measure import BoxEstimate
 from viewgain.report._truth import compared, true_axes, true_of_reported
-from viewgain.simulate import standing_box
+from viewgain.scenes import standing_box
 
 
 def estimate_of(episode: Episode, yaw: float) -> BoxEstimate:

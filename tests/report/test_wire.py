@@ -20,7 +20,7 @@ from viewgain.report._wire import (
     reported_extents,
     room,
 )
-from viewgain.simulate import orbit_pose, standing_box
+from viewgain.scenes import orbit_pose, standing_box
 
 BOX = standing_box(np.array([0.4, 0.3, 0.2]), yaw=0.3)
 

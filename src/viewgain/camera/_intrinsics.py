@@ -1,6 +1,7 @@
 """The pinhole camera with lens distortion: pixels to rays and back. Pixel (0, 0) is the centre of the top-left pixel."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,6 +54,10 @@ class Intrinsics:
         u, v = np.meshgrid(np.arange(self.width, dtype=float), np.arange(self.height, dtype=float))
         return self.undistort(np.stack([(u - self.cx) / self.fx, (v - self.cy) / self.fy], axis=-1))
 
+    def directions(self) -> Array:
+        """Return the (height, width, 3) unit directions of all pixel centres, camera frame; shared, not to be written to."""
+        return _directions(self)
+
     def project(self, points: Points) -> Points2:
         """Return the (..., 2) pixel coordinates (u, v) of (..., 3) camera-frame points with z > 0."""
         distorted = self.distort(points[..., :2] / points[..., 2:])
@@ -87,3 +92,12 @@ class Intrinsics:
                 estimate = estimate - inverse / (a * d - b * c)[..., None]
             unfolded = (a * d - b * c > 0) & (a > 0) & np.all(np.isfinite(estimate), axis=-1)
         return np.where(unfolded[..., None], estimate, directions)
+
+
+@lru_cache(maxsize=16)
+def _directions(camera: Intrinsics) -> Array:
+    rays = camera.rays()
+    directions = np.dstack([rays, np.ones(rays.shape[:2])])
+    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
+    directions.setflags(write=False)
+    return directions

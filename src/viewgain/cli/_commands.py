@@ -24,7 +24,7 @@ class Reading:
     pose: tuple[Path, ...] = ()
     """camera_to_world of each scan (JSON or text, 4x4), in the order of the scans."""
     camera: str | None = None
-    """Camera preset (pico_flexx, xtion) for noise and systematic error; default estimated from the scan."""
+    """Camera preset (docs/cameras.md) or a TOML file, for noise and systematic error; default estimated from the scan."""
     floor: Path | None = None
     """Scan of the empty scene from the same pose, where the box hides the floor."""
 
@@ -54,7 +54,7 @@ class Next:
     reading: Annotated[Reading, tyro.conf.arg(name="")] = field(default_factory=Reading)
     """How the files are read."""
     rig: str = "ring8"
-    """Candidate poses: ring8, paper4, pcnbv33, or a TOML file of your own."""
+    """Candidate poses: ring8, paper4, irregular4, pcnbv33, hemisphere20, ... (docs/rigs.md), or a TOML file of your own."""
     objective: Literal["volume"] = "volume"
     """What to become certain of."""
     tolerance: float = 0.05
@@ -83,3 +83,49 @@ class Demo:
     """Stop when the error is under the tolerance with this probability."""
     max_views: int = 5
     """Most scans to take."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulate:
+    """Write simulated scans of a scene from every station of a rig, with the truth beside them."""
+
+    out: Path
+    """Folder for the scans and truth.json."""
+    scene: Literal["box", "random", "mesh", "object"] = "box"
+    """A box on a floor; a random scene of boxes, walls and clutter; a mesh file; a procedural object."""
+    dims: tuple[float, float, float] = (0.4, 0.3, 0.2)
+    """Length, width and height of the box, metres (scene box)."""
+    yaw: float = 0.0
+    """Turn of the box or object about the vertical, degrees (not scene random)."""
+    mesh: Path | None = None
+    """Mesh file: PLY, OBJ, STL, GLB or OFF (scene mesh)."""
+    category: str = "chair"
+    """Kind of procedural object (scene object)."""
+    size: float | None = None
+    """Diagonal to scale the mesh or object to, metres; default its own size."""
+    camera: str = "pico_flexx"
+    """Camera preset (docs/cameras.md) or a TOML file."""
+    rig: str = "ring8"
+    """Stations: ring8, paper4, irregular4, pcnbv33, hemisphere20, ... (docs/rigs.md), or a TOML file."""
+    elevation: float = 35.0
+    """For the stations that leave it open, degrees."""
+    distance: float = 1.2
+    """For the stations that leave it open, metres from the centre."""
+    captures: int = 1
+    """Scans per station, each with the rig's jitter drawn anew."""
+    frames: int = 1
+    """Frames averaged per scan."""
+    seed: int = 0
+    """Source of all randomness: the same seed writes the same files."""
+    reflectivity: float = 0.5
+    """Share of light that the surfaces give back, over 0 and up to 1 (not scene random)."""
+    without: tuple[str, ...] = ()
+    """Effects to switch off: noise jitter lateral mixing multipath loss wiggle wrap quantisation filtering."""
+    perfect: bool = False
+    """A perfect camera standing exactly where it should."""
+    systematic: bool = False
+    """Draw this camera's systematic range error from what calibration leaves; default none."""
+    formats: tuple[Literal["png", "npz", "ply"], ...] = ("png", "npz")
+    """What to write of each scan; a PNG comes with its camera JSON."""
+    workers: int = 1
+    """Processes to share the work; the files are the same whatever the number."""

@@ -7,7 +7,7 @@ from viewgain.cli._commands import Demo
 from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.episodes import Step, World, run_episode
 from viewgain.report import write_report
-from viewgain.simulate import Scene, SceneRanges, random_box, random_view
+from viewgain.scenes import Scene, SceneRanges, random_box, random_view
 
 
 def run_demo(command: Demo) -> int:

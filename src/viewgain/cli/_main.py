@@ -5,16 +5,22 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from viewgain.cli._commands import Demo, Measure, Next
+from viewgain.cli._commands import Demo, Measure, Next, Simulate
 from viewgain.cli._exit import BAD_INPUT, print_error
 from viewgain.errors import ViewgainError
 
-_RUNNERS = {Measure: ("_measure", "run_measure"), Next: ("_next", "run_next"), Demo: ("_demo", "run_demo")}
+_RUNNERS = {
+    Measure: ("_measure", "run_measure"),
+    Next: ("_next", "run_next"),
+    Simulate: ("_simulate", "run_simulate"),
+    Demo: ("_demo", "run_demo"),
+}
 """Where the work of each command is done; loaded only when it is asked for."""
 _DESCRIPTION = """How big is the box, how sure are we, and where should the depth camera move next?
 
   viewgain measure scan.ply             length, width, height and volume with error bars
   viewgain next scan.ply --rig ring8    where to move the camera, and whether to stop
+  viewgain simulate --out DIR           scans of a simulated scene, with the truth
   viewgain demo                         the whole loop on a simulated scene, with a report
 
 Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason)."""
@@ -30,7 +36,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        command = tyro.cli(Measure | Next | Demo, prog="viewgain", description=_DESCRIPTION, args=arguments or ["--help"])
+        command = tyro.cli(
+            Measure | Next | Simulate | Demo, prog="viewgain", description=_DESCRIPTION, args=arguments or ["--help"]
+        )
     except SystemExit as exit_:
         return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT
     try:

@@ -13,9 +13,14 @@ from viewgain.camera import Sensor
 from viewgain.errors import ScanError
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA, Measurement, fuse_measurements, measure
-from viewgain.plan import CovariancePolicy, NextView, Policy, Rig, next_view
+from viewgain.plan import CovariancePolicy, NextView, Policy, next_view
+from viewgain.rigs import Rig
 from viewgain.scans import Scan
-from viewgain.simulate import Scene, capture, miscalibrated
+from viewgain.scenes import Scene
+from viewgain.simulate import ALL_EFFECTS, Effects, RangeError, capture
+
+MODELLED = ALL_EFFECTS.without("multipath")
+"""Everything but multipath, which the estimator has no model of; what that costs it: docs/simulating.md."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,6 +35,8 @@ class World:
     """Its relative range error."""
     offset: float = 0.0
     """Its constant range error, metres."""
+    effects: Effects = MODELLED
+    """What the camera does to the truth."""
     pose_sigma: tuple[float, float] = POSE_SIGMA
     """How far it arrives from where it was sent, standard deviation per axis, metres and radians."""
 
@@ -40,8 +47,8 @@ class World:
 
     def scan(self, camera_to_world: Pose, believed: Pose, rng: np.random.Generator) -> Scan:
         """Return what the camera sees from ``camera_to_world``, labelled with the pose it believes to be at."""
-        seen = capture(self.scene, camera_to_world, self.sensor, rng=rng)
-        return miscalibrated(seen, scale=self.scale, offset=self.offset).posed(believed)
+        error = RangeError(self.scale, self.offset)
+        return capture(self.scene, camera_to_world, self.sensor, rng=rng, error=error, effects=self.effects).posed(believed)
 
     def arrive(self, sent_to: Pose, rng: np.random.Generator) -> Pose:
         """Return where a camera sent to a pose really ends up."""

@@ -1,4 +1,4 @@
-"""Where the camera should go next: rigs, what each candidate would teach, policies, and the stop rule."""
+"""Where the camera should go next: what each candidate of a rig would teach, policies, and the stop rule."""
 
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Outlook as Outlook
@@ -11,9 +11,4 @@ from viewgain.plan._policy import Policy as Policy
 from viewgain.plan._policy import RandomPolicy as RandomPolicy
 from viewgain.plan._predict import Prediction as Prediction
 from viewgain.plan._predict import predict as predict
-from viewgain.plan._rig import RIGS as RIGS
-from viewgain.plan._rig import Rig as Rig
-from viewgain.plan._rig import Station as Station
-from viewgain.plan._rig import place as place
-from viewgain.plan._rig import rig as rig
 from viewgain.plan._words import directions_in_words as directions_in_words

@@ -12,7 +12,7 @@ from scipy.special import ndtr
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, Box
 from viewgain.camera import Sensor
-from viewgain.geometry import floor_to_camera, inverse, pose
+from viewgain.geometry import floor_to_camera, pose
 from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, BoxEstimate, Knowledge, Measurement, Rejected
 
 SPREAD = (1, 5, 3, 2)
@@ -123,12 +123,3 @@ def normal_within(mean: float, sigma: float, tolerance: float) -> float:
 def floor_pose(belief: Belief) -> Pose:
     """Return (4, 4) floor_to_current of the believed box's floor."""
     return floor_to_camera(belief.mean.floor)
-
-
-def camera_above(camera_to_current: Pose, belief: Belief) -> tuple[float, float]:
-    """Return a candidate camera's height above the floor and distance to the surface of what has been seen, metres."""
-    box = belief.boxes[0]
-    local = inverse(box.box_to_camera) @ camera_to_current
-    position = local[:3, 3]
-    low, high = np.array([-0.5, -0.5, 0.0]) * box.extents, np.array([0.5, 0.5, 1.0]) * box.extents
-    return float(position[2]), float(np.linalg.norm(position - np.clip(position, low, high)))

@@ -1,18 +1,19 @@
 """The next best view: believe, place the rig, score every candidate, decide, and say whether to stop."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from viewgain.arrays import Array, Pose, Vector3
+from viewgain.arrays import Pose, Poses, Vector3
 from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
+from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
-from viewgain.plan._belief import Belief, belief_from, belief_from_blob, camera_above, floor_pose, outlook
+from viewgain.plan._belief import Belief, belief_from, belief_from_blob, floor_pose, outlook
 from viewgain.plan._policy import Assessment, CovariancePolicy, Policy
 from viewgain.plan._predict import MIN_FACE_PIXELS, predict
-from viewgain.plan._rig import Rig, Station, place
-from viewgain.plan._rig import rig as find_rig
+from viewgain.rigs import Rig, Station, Target, place, refusals
+from viewgain.rigs import rig as find_rig
 from viewgain.scans import Scan
 
 SCHEMA = 1
@@ -155,11 +156,13 @@ def next_view(
             stations.name, decider.name, measured, (), None, False, None, tolerance, confidence, nowhere, nowhere, measured.reason
         )
     back = _step_back(believed)
-    poses = place(stations, believed.mean.centre, floor_pose(believed), measured.camera_to_world, step_back=back)
+    poses = place(stations, _target(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
     assessments = decider.assess(believed, poses, tolerance)
     candidates = tuple(
-        Candidate(index, pose, assessment, _reachable(pose, believed, stations))
-        for index, (pose, assessment) in enumerate(zip(poses, assessments, strict=True))
+        Candidate(index, pose, assessment, reachable)
+        for index, (pose, assessment, reachable) in enumerate(
+            zip(poses, assessments, _reachable(poses, believed, stations, measured.camera_to_world), strict=True)
+        )
     )
     best = _best(candidates, settle=believed.bounded)
     chance = outlook(believed, tolerance).within_tolerance
@@ -197,15 +200,24 @@ def _step_back(belief: Belief) -> float:
     """
     here = Rig(name="here", stations=(Station(),))
     for factor in STEPS_BACK:
-        (pose,) = place(here, belief.mean.centre, floor_pose(belief), None, step_back=factor)
+        (pose,) = place(here, _target(belief), floor_pose(belief), None, step_back=factor)
         if not predict(belief.mean, pose, belief.sensor, belief.noise).cut:
             return factor
     return STEPS_BACK[-1]
 
 
-def _reachable(camera_to_current: Array, belief: Belief, stations: Rig) -> bool:
-    height, distance = camera_above(camera_to_current, belief)
-    return height >= stations.min_height and distance >= max(stations.min_distance, belief.sensor.range_min)
+def _target(belief: Belief) -> Target:
+    """Return what the candidates stand around: the middle box, in the floor's frame."""
+    return Target(inverse(floor_pose(belief)) @ belief.mean.box_to_camera, belief.mean.extents)
+
+
+def _reachable(poses: Poses, belief: Belief, stations: Rig, camera_to_world: Pose | None) -> tuple[bool, ...]:
+    """Return which candidates the rig and the camera's least range allow, next to what has been seen: the smallest box."""
+    seen = belief.boxes[0]  # its own frame has its floor at z = 0
+    limits = replace(stations, min_distance=max(stations.min_distance, belief.sensor.range_min))
+    world = None if camera_to_world is None else camera_to_world @ seen.box_to_camera
+    cameras = inverse(seen.box_to_camera) @ poses
+    return tuple(reason is None for reason in refusals(limits, cameras, Target(np.eye(4), seen.extents), floor_to_world=world))
 
 
 def _best(candidates: tuple[Candidate, ...], *, settle: bool) -> int | None:

@@ -6,4 +6,5 @@ from viewgain.scans._read import read_scan as read_scan
 from viewgain.scans._scan import MIN_POINTS as MIN_POINTS
 from viewgain.scans._scan import Dropped as Dropped
 from viewgain.scans._scan import Scan as Scan
+from viewgain.scans._write import write_files as write_files
 from viewgain.scans._write import write_scan as write_scan

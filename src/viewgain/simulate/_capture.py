@@ -1,123 +1,124 @@
-"""A depth camera looks at boxes on a floor: true ranges by the slab test, then the sensor's noise and losses."""
+"""A depth camera looks at a scene. One page tells the method: what the rays meet, what light comes back, what is made of it."""
+
+import warnings
 
 import numpy as np
-from scipy import ndimage
 
-from viewgain.arrays import Array, Image, Points, Pose
-from viewgain.box import Box, box_hits, entry_mask
-from viewgain.camera import Intrinsics, Sensor
-from viewgain.geometry import inverse
+from viewgain.arrays import Array, Pose, Vector
+from viewgain.camera import Sensor
+from viewgain.errors import ConfigError
+from viewgain.rays import Hits, SceneCaster, rays_through
 from viewgain.scans import Scan
-from viewgain.simulate._scene import Scene
-
-EDGE_JUMP = 0.03
-"""Neighbouring ranges that differ by more are a depth edge, metres."""
+from viewgain.scenes import Scene
+from viewgain.simulate._effects import ALL_EFFECTS, Effects
+from viewgain.simulate._footprint import mixed_signal
+from viewgain.simulate._multipath import bounces
+from viewgain.simulate._receive import NO_ERROR, Draws, RangeError, received
+from viewgain.simulate._signal import direct_signal
 
 
 def capture(
-    scene: Scene, camera_to_world: Pose, sensor: Sensor, *, rng: np.random.Generator | None, source: str = "simulated"
+    scene: Scene | SceneCaster,
+    camera_to_world: Pose,
+    sensor: Sensor,
+    *,
+    rng: np.random.Generator | None,
+    effects: Effects | None = None,
+    error: RangeError | None = None,
+    frames: int = 1,
+    source: str = "simulated",
 ) -> Scan:
-    """Return one scan of ``scene``.
-
-    Every pixel looks in a slightly wrong direction (lateral noise) but reports its nominal one; its range gets noise that grows
-    with range and incidence; pixels on a depth edge may mix foreground and background; grazing and far returns are lost. The
-    calibration error is not drawn here: see :func:`miscalibrated`.
+    """Return one scan of a scene.
 
     Args:
-        scene: Boxes on the world's floor.
+        scene: What is seen; a caster saves preparing a mesh anew for every pose.
         camera_to_world: (4, 4) pose of the camera.
         sensor: The camera.
-        rng: Source of all randomness; None for a perfect camera.
+        rng: Source of all randomness; None for a perfect camera, whatever ``effects`` says.
+        effects: Which effects are on; default all.
+        error: Systematic error of this particular camera; default none. See :func:`draw_range_error`.
+        frames: Frames of the unmoved camera to average, at least 1; a pixel needs half of them.
         source: Name of the scan.
 
     Returns:
-        An organised scan with the camera's intrinsics and pose.
+        An organised scan with the camera's intrinsics and pose, and the amplitude image (1 for white, head-on, at 1 m).
 
     Raises:
         ScanError: If fewer than 100 pixels return anything.
+        ConfigError: If there is not one frame at least.
+        MissingExtraError: If the caster names a backend that is not installed.
     """
-    camera = sensor.intrinsics
-    directions = pixel_directions(camera, 0.0 if rng is None else sensor.lateral_px, rng)
-    ranges, cosine = true_ranges(scene, camera_to_world, directions)
-    ranges, cosine = ranges.reshape(camera.height, camera.width), cosine.reshape(camera.height, camera.width)
-    if rng is not None:
-        ranges = _measured(ranges, cosine, sensor, rng)
-    with np.errstate(invalid="ignore"):
-        ranges = np.where((ranges >= sensor.range_min) & (ranges <= sensor.range_max), ranges, 0.0)
-    return Scan.from_range(ranges, camera, camera_to_world=camera_to_world, source=source)
-
-
-def miscalibrated(scan: Scan, *, scale: float, offset: float) -> Scan:
-    """Return the scan as a camera with a relative range error ``scale`` and a constant ``offset`` (metres) reports it."""
-    distance = np.linalg.norm(scan.points, axis=1, keepdims=True)
-    points = scan.points * (1 + scale + offset / distance)
-    image = np.full((int(np.prod(scan.shape or (0,))), 3), np.nan)
-    if scan.shape is None or scan.pixels is None:
-        return Scan.from_array(points, camera_to_world=scan.camera_to_world, source=scan.source)
-    image[scan.pixels] = points
-    return Scan.from_array(
-        image.reshape(*scan.shape, 3), intrinsics=scan.intrinsics, camera_to_world=scan.camera_to_world, source=scan.source
+    if frames < 1:
+        raise ConfigError(f"got {frames} frames to average, wanted at least 1")
+    caster = scene if isinstance(scene, SceneCaster) else SceneCaster(scene)
+    effects = Effects.only() if rng is None else effects or ALL_EFFECTS
+    streams = _streams(rng)
+    hits = _look(caster, camera_to_world, sensor, streams["jitter"] if effects.jitter else None)
+    bounced = None
+    if effects.multipath and sensor.kind == "tof":
+        bounced = bounces(hits, caster.surfaces, camera_to_world, sensor)
+    taken = []
+    for _ in range(frames):
+        signal = direct_signal(hits, caster.surfaces)
+        if effects.mixing or effects.lateral:
+            lateral = streams["lateral"] if effects.lateral else None
+            signal = mixed_signal(signal, hits, caster, camera_to_world, sensor, mixing=effects.mixing, rng=lateral)
+        if bounced is not None:
+            signal = bounced.added_to(signal)
+        taken.append(received(signal, sensor, error or NO_ERROR, effects, _draws(len(hits.ranges), effects, streams)))
+    ranges = _average([frame[0] for frame in taken])
+    amplitude = np.sum([frame[1] for frame in taken], axis=0) / frames if frames > 1 else taken[0][1]
+    shape = (sensor.intrinsics.height, sensor.intrinsics.width)
+    return Scan.from_range(
+        ranges.reshape(shape),
+        sensor.intrinsics,
+        amplitude=amplitude.reshape(shape),
+        camera_to_world=camera_to_world,
+        source=source,
     )
 
 
-def pixel_directions(camera: Intrinsics, lateral_px: float, rng: np.random.Generator | None) -> Points:
-    """Return (height * width, 3) unit directions of all pixels, each off by lateral noise of that many pixels."""
-    rays = camera.rays()
-    if rng is not None and lateral_px > 0:
-        rays = rays + rng.normal(0.0, lateral_px, rays.shape) / (camera.fx, camera.fy)
-    directions = np.column_stack([rays.reshape(-1, 2), np.ones(rays.shape[0] * rays.shape[1])])
-    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+def true_hits(scene: Scene | SceneCaster, camera_to_world: Pose, sensor: Sensor) -> Hits:
+    """Return what the centres of all pixels see, row by row: exact, whatever the camera's noise."""
+    caster = scene if isinstance(scene, SceneCaster) else SceneCaster(scene)
+    return caster.pixels(sensor.intrinsics, camera_to_world)
 
 
-def true_ranges(scene: Scene, camera_to_world: Pose, directions: Points) -> tuple[Array, Array]:
-    """Return (n,) ranges and cosines of incidence of (n, 3) unit rays from the camera; range inf where nothing is met."""
-    world_to_camera = inverse(camera_to_world)
-    up = world_to_camera[:3, 2]
-    height = camera_to_world[2, 3]
-    approach = -(directions @ up)
-    with np.errstate(divide="ignore"):
-        ranges = np.where(approach > 1e-9, height / np.maximum(approach, 1e-9), np.inf)
-    cosine = np.maximum(approach, 0.0)
-    for box in scene.boxes:
-        seen = box.in_frame(world_to_camera)
-        inside = np.flatnonzero(_could_hit(seen, directions))
-        inside = inside[entry_mask(seen, directions[inside])]
-        hits = box_hits(seen, directions[inside])
-        nearer = hits.ranges < ranges[inside]
-        ranges[inside[nearer]] = hits.ranges[nearer]
-        cosine[inside[nearer]] = hits.cosine[nearer]
-    return ranges, cosine
+_STREAMS = ("jitter", "lateral", "noise", "amplitude", "loss")
 
 
-def _could_hit(box: Box, directions: Points) -> Array:
-    """Return the (n,) mask of rays within the cone around the box's bounding sphere."""
-    centre, radius = box.centre, np.linalg.norm(box.extents) / 2
-    distance = float(np.linalg.norm(centre))
-    if distance <= radius:
-        return np.ones(len(directions), dtype=bool)
-    return np.asarray(directions @ (centre / distance) >= np.sqrt(1 - (radius / distance) ** 2))
+def _streams(rng: np.random.Generator | None) -> dict[str, np.random.Generator]:
+    """Return one generator per effect, so that switching one effect leaves the draws of the others as they are."""
+    seeds = np.zeros(len(_STREAMS), dtype=np.int64) if rng is None else rng.integers(2**63, size=len(_STREAMS))
+    return {name: np.random.Generator(np.random.SFC64(int(seed))) for name, seed in zip(_STREAMS, seeds, strict=True)}
 
 
-def _measured(ranges: Image, cosine: Image, sensor: Sensor, rng: np.random.Generator) -> Image:
-    """Return true (h, w) ranges as the sensor reports them; NaN for a lost return."""
-    sigma = sensor.range_sigma(np.minimum(ranges, sensor.range_max), cosine)
-    axial = np.sqrt(np.maximum(sigma**2 - _slope_sigma(ranges, cosine, sensor) ** 2, 0.0))
-    mixed = _mixed(ranges, sensor.flying_share, rng)
-    noisy = mixed + axial * rng.standard_normal(ranges.shape)
-    lost = rng.random(ranges.shape) < sensor.loss(cosine)
-    return np.where(lost | ~np.isfinite(ranges), np.nan, noisy)
+def _look(caster: SceneCaster, camera_to_world: Pose, sensor: Sensor, rng: np.random.Generator | None) -> Hits:
+    """Return what the pixels see, through their centres or, with ``rng``, where they really look."""
+    camera = sensor.intrinsics
+    if rng is None or sensor.jitter_px == 0:
+        return caster.pixels(camera, camera_to_world)
+    v, u = np.mgrid[: camera.height, : camera.width].reshape(2, -1)
+    shaken = np.stack([u, v], axis=-1) + rng.normal(0.0, sensor.jitter_px, (len(u), 2))
+    return caster.rays(camera_to_world, rays_through(camera, shaken))
 
 
-def _slope_sigma(ranges: Image, cosine: Image, sensor: Sensor) -> Image:
-    """Return the part of the range noise that lateral noise causes: it is already in the ray directions."""
-    bounded, cosine = np.minimum(ranges, sensor.range_max), np.maximum(cosine, 0.15)
-    return np.asarray(sensor.lateral_px / sensor.intrinsics.fx * bounded * np.sqrt(1 - cosine**2) / cosine)
+def _draws(count: int, effects: Effects, streams: dict[str, np.random.Generator]) -> Draws:
+    nothing: Array = np.zeros(0)
+    return Draws(
+        noise=streams["noise"].standard_normal(count) if effects.noise else nothing,
+        amplitude=streams["amplitude"].standard_normal(count) if effects.noise else nothing,
+        loss=streams["loss"].random(count) if effects.loss else nothing,
+    )
 
 
-def _mixed(ranges: Image, share: float, rng: np.random.Generator) -> Image:
-    """Return the ranges with a share of the pixels on depth edges mixed of their nearest and farthest neighbour."""
-    finite = np.where(np.isfinite(ranges), ranges, 1e3)
-    nearest, farthest = ndimage.minimum_filter(finite, 3), ndimage.maximum_filter(finite, 3)
-    weight, chosen = rng.random(ranges.shape), rng.random(ranges.shape) < share
-    edge = (farthest - nearest > EDGE_JUMP + 0.02 * nearest) & (farthest < 1e3)
-    return np.where(edge & chosen, nearest + weight * (farthest - nearest), ranges)
+def _average(frames: list[Vector]) -> Vector:
+    """Return the mean of the valid frames of each pixel, NaN where under half are valid."""
+    if len(frames) == 1:
+        return frames[0]
+    stack = np.array(frames)
+    valid = np.isfinite(stack).sum(axis=0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # pixels without any frame
+        mean = np.nanmean(stack, axis=0)
+    return np.where(2 * valid >= len(frames), mean, np.nan)

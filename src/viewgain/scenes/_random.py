@@ -1,4 +1,4 @@
-"""Scenes of boxes on a floor, and a seeded generator of them. The world's floor is z = 0, z up."""
+"""A seeded generator of scenes and of cameras that look at them; every distribution is documented."""
 
 from dataclasses import dataclass
 
@@ -7,17 +7,7 @@ import numpy as np
 from viewgain.arrays import Pose, Vector3
 from viewgain.box import Box
 from viewgain.geometry import look_at, pose, rotation_from_rotvec
-
-UP = np.array([0.0, 0.0, 1.0])
-"""The world's up direction."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Scene:
-    """Boxes standing on the floor of the world."""
-
-    boxes: tuple[Box, ...]
-    """Boxes with their poses in the world (box_to_camera maps to the world here: the camera is the world's origin)."""
+from viewgain.scenes._scene import UP
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

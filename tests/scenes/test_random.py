@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viewgain.geometry import inverse, require_rigid, transform
-from viewgain.simulate import SceneRanges, orbit_pose, random_box, random_view, standing_box
+from viewgain.scenes import SceneRanges, orbit_pose, random_box, random_view, standing_box
 
 
 @given(st.lists(st.floats(0.01, 2), min_size=3, max_size=3), st.floats(-7, 7), st.floats(-1, 1), st.floats(-1, 1))

@@ -1,0 +1,198 @@
+"""A recording: the scans of one scene from all stations of a rig, on disk, with the truth beside them.
+
+Scan k of station s draws from the seeds (seed, s, k), so the files are the same bits however many processes write them.
+"""
+
+import json
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viewgain.arrays import Poses
+from viewgain.camera import Sensor
+from viewgain.errors import ConfigError, ScanError
+from viewgain.rays import SceneCaster
+from viewgain.rigs import Rig, Target, poses, refusals
+from viewgain.scans import write_files, write_scan
+from viewgain.scenes import Scene
+from viewgain.simulate._capture import capture
+from viewgain.simulate._effects import ALL_EFFECTS, Effects
+from viewgain.simulate._receive import NO_ERROR, RangeError
+
+FORMATS = ("png", "npz", "ply")
+"""What a scan can be written as."""
+SCHEMA = 1
+"""Version of the layout of truth.json."""
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recording:
+    """What to record."""
+
+    scene: Scene
+    """What is seen."""
+    target: Target
+    """What the rig stands around."""
+    sensor: Sensor
+    """The camera."""
+    rig: Rig
+    """Where it stands."""
+    seed: int = 0
+    """Source of all randomness."""
+    captures: int = 1
+    """Scans per station, each with the rig's jitter drawn anew."""
+    elevation: float = float(np.deg2rad(35.0))
+    """For the stations that leave it open, radians."""
+    distance: float = 1.2
+    """For the stations that leave it open, metres."""
+    effects: Effects = ALL_EFFECTS
+    """What the camera does to the truth."""
+    error: RangeError = NO_ERROR
+    """Systematic error of this camera."""
+    frames: int = 1
+    """Frames averaged per scan."""
+    perfect: bool = False
+    """No noise, no jitter, no effects at all."""
+    formats: tuple[str, ...] = ("png", "npz")
+    """What to write of each scan."""
+
+    def __post_init__(self) -> None:
+        if self.captures < 1 or self.frames < 1:
+            raise ConfigError(f"got {self.captures} captures of {self.frames} frames, wanted at least one of each")
+        unknown = set(self.formats) - set(FORMATS)
+        if unknown or not self.formats:
+            raise ConfigError(f"got formats {list(self.formats)}, wanted some of {', '.join(FORMATS)}")
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """One scan of a recording, taken or not."""
+
+    station: int
+    """Index of the station in the rig."""
+    capture: int
+    """Which of its scans."""
+    name: str | None
+    """File name without ending; None if the camera cannot stand there or saw nothing."""
+    camera_to_world: list[list[float]]
+    """(4, 4) pose."""
+    reason: str | None
+    """Why there is no scan."""
+
+
+def record(recording: Recording, folder: Path, *, workers: int = 1) -> list[Shot]:
+    """Write all scans and ``truth.json``; return one entry per station and capture, in rig order.
+
+    Args:
+        recording: What to record.
+        folder: Where to; made if it is missing. A file of the same name is replaced.
+        workers: Processes to share the stations.
+
+    Raises:
+        ScanError: If the folder cannot be written; what was written whole stays, and truth.json comes last.
+        ConfigError: If the rig leaves an elevation or distance open that cannot be filled.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ScanError(f"{folder}: cannot be made ({error.strerror}); name a folder that can be written") from error
+    stations = range(len(recording.rig.stations))
+    if workers <= 1:
+        caster = SceneCaster(recording.scene)
+        shots = [shot for station in stations for shot in _record_station(recording, folder, station, caster)]
+    else:
+        with single_threads(), ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            parts = pool.map(_record_in_process, [recording] * len(stations), [folder] * len(stations), stations)
+            shots = [shot for part in parts for shot in part]
+    write_files({folder / "truth.json": json.dumps(truth(recording, shots), indent=1, allow_nan=False).encode()})
+    return shots
+
+
+def truth(recording: Recording, shots: list[Shot]) -> dict[str, Any]:
+    """Return what is true of a recording, as it stands in truth.json (metres, radians, world frame, poses as rows)."""
+    scene = recording.scene
+    return {
+        "schema": SCHEMA,
+        "viewgain": version("viewgain"),
+        "camera": recording.sensor.name,
+        "rig": recording.rig.name,
+        "seed": recording.seed,
+        "frames": recording.frames,
+        "perfect": recording.perfect,
+        "effects": asdict(recording.effects),
+        "range_error": asdict(recording.error),
+        "boxes": [
+            {"extents": box.extents.tolist(), "box_to_world": box.box_to_camera.tolist(), "volume": box.volume}
+            for box in scene.boxes
+        ],
+        "meshes": [
+            {"name": mesh.name, "extents": mesh.extents.tolist(), "low": mesh.bounds[0].tolist()} for mesh in scene.meshes
+        ],
+        "planes": [{"normal": plane.normal.tolist(), "offset": plane.offset} for plane in scene.planes],
+        "reflectivity": scene.body_reflectivity.tolist(),
+        "scans": [asdict(shot) for shot in shots],
+    }
+
+
+@contextmanager
+def single_threads() -> Iterator[None]:
+    """Give every process started inside one thread: pools of threads on the same cores made them six times slower."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def station_poses(recording: Recording, station: int, number: int) -> tuple[Poses, np.random.Generator]:
+    """Return the rig's (v, 4, 4) poses for one capture of one station, and the generator for its scan."""
+    rng = np.random.default_rng([recording.seed, station, number])
+    jitter = None if recording.perfect else rng
+    cameras = poses(recording.rig, recording.target, elevation=recording.elevation, distance=recording.distance, rng=jitter)
+    return cameras, rng
+
+
+def _record_in_process(recording: Recording, folder: Path, station: int) -> list[Shot]:
+    return _record_station(recording, folder, station, SceneCaster(recording.scene))
+
+
+def _record_station(recording: Recording, folder: Path, station: int, caster: SceneCaster) -> list[Shot]:
+    shots = []
+    for number in range(recording.captures):
+        cameras, rng = station_poses(recording, station, number)
+        name = f"view{station:02d}_{number:03d}"
+        reason = refusals(recording.rig, cameras, recording.target)[station]
+        if reason is None:
+            reason = _shoot(recording, folder / name, caster, cameras[station], rng)
+        shots.append(Shot(station, number, None if reason else name, cameras[station].tolist(), reason))
+    return shots
+
+
+def _shoot(recording: Recording, path: Path, caster: SceneCaster, camera_to_world: Poses, rng: np.random.Generator) -> str | None:
+    """Take and write one scan; return why there is none."""
+    try:
+        scan = capture(
+            caster, camera_to_world, recording.sensor, rng=None if recording.perfect else rng, effects=recording.effects,
+            error=recording.error, frames=recording.frames, source=path.name,
+        )  # fmt: skip
+    except ScanError:
+        return "saw nothing"
+    for ending in recording.formats:
+        # Fine enough to add nothing to the camera's own noise, coarse enough for 16 bits to hold its farthest depth.
+        scale = max(1e-4, recording.sensor.range_max / 65_000)
+        write_scan(scan, path.with_suffix(f".{ending}"), depth_scale=scale)
+    return None
