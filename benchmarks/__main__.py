@@ -1,10 +1,20 @@
 """Run the benchmarks: all of them, or those that are named."""
 
 import argparse
+from pathlib import Path
 
-from benchmarks import accuracy, calibration, closed_loop, real
+from benchmarks import accuracy, calibration, closed_loop, multipath, published_noise, real, real_tof, simulation
 
-BENCHMARKS = {"accuracy": accuracy.run, "closed-loop": closed_loop.run, "real": real.run, "calibration": calibration.run}
+BENCHMARKS = {
+    "accuracy": accuracy.run,
+    "closed-loop": closed_loop.run,
+    "real": real.run,
+    "calibration": calibration.run,
+    "multipath": multipath.run,
+    "simulation": simulation.run,
+    "published-noise": published_noise.run,
+    "real-tof": real_tof.run,
+}
 
 
 def main() -> None:
@@ -12,10 +22,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(BENCHMARKS)}; default all")
     parser.add_argument("--scenes", type=int, default=200, help="scenes of closed-loop and calibration (default 200)")
-    parser.add_argument("--workers", type=int, default=2, help="processes for closed-loop and calibration (default 2)")
+    parser.add_argument(
+        "--workers", type=int, default=2, help="processes for closed-loop, calibration and simulation (default 2)"
+    )
+    parser.add_argument(
+        "--captures", type=int, default=50, help="simulation: scans per position of the paper's set, of 1000 (default 50)"
+    )
     parser.add_argument(
         "--oracle", action="store_true", help="closed-loop: also the best of the eight views, by the truth (slow)"
     )
+    parser.add_argument("--pictures", type=Path, help="published-noise, real-tof: also draw, into this folder")
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)
     if unknown:

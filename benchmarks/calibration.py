@@ -10,7 +10,8 @@ from benchmarks._tables import markdown, wilson
 from viewgain.camera import sensor
 from viewgain.episodes import World
 from viewgain.measure import measure
-from viewgain.simulate import Scene, SceneRanges, random_box, random_view
+from viewgain.scenes import Scene, SceneRanges, random_box, random_view
+from viewgain.simulate import single_threads
 
 CAMERAS = ("pico_flexx", "xtion")
 
@@ -19,7 +20,7 @@ def run(options: argparse.Namespace) -> None:
     """Print coverage of the 90 % intervals per camera preset."""
     rows = []
     for name in CAMERAS:
-        with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
+        with single_threads(), ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
             inside = np.array(list(pool.map(_inside, [name] * options.scenes, range(options.scenes), chunksize=5)))
         measured = inside[inside[:, 0] >= 0]
         cells = []

@@ -9,8 +9,10 @@ import numpy as np
 from benchmarks._tables import bootstrap, markdown, percent
 from viewgain.camera import sensor
 from viewgain.episodes import Episode, World, run_episode
-from viewgain.plan import RIGS, Assessment, Belief, Policy, RandomPolicy
-from viewgain.simulate import Scene, SceneRanges, random_box, random_view
+from viewgain.plan import Assessment, Belief, Policy, RandomPolicy
+from viewgain.rigs import RIGS
+from viewgain.scenes import Scene, SceneRanges, random_box, random_view
+from viewgain.simulate import single_threads
 
 RANGES = SceneRanges(aim_sd=0.15)
 CAMERA = "pico_flexx"
@@ -40,7 +42,7 @@ class FixedPolicy:
 
 def run(options: argparse.Namespace) -> None:
     """Print the table."""
-    with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
+    with single_threads(), ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
         errors = list(
             pool.map(
                 _scene_errors, range(FIRST_SEED, FIRST_SEED + options.scenes), [options.oracle] * options.scenes, chunksize=5

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.scans import Scan, read_scan
-from viewgain.simulate import Scene, capture, orbit_pose, standing_box
+from viewgain.scenes import Scene, orbit_pose, standing_box
+from viewgain.simulate import capture
 
 BOXES, POSITIONS = 16, 4
 NOISE_LEVELS = (0.005, 0.010)
@@ -45,7 +46,14 @@ class Sample:
 def camera_of(name: str, noise: float, intrinsics: Intrinsics) -> Sensor:
     """Return the protocol's camera: noise sigma r / sqrt(cos), 0.3 px jitter, 70-85 degree loss, no systematic error."""
     return Sensor(
-        name=name, intrinsics=intrinsics, range_max=RANGE_CUT, noise_per_metre=noise, lateral_px=0.3, scale_sd=0.0, offset_sd=0.0
+        name=name,
+        intrinsics=intrinsics,
+        range_max=RANGE_CUT,
+        noise_per_metre=noise,
+        jitter_px=0.3,
+        lateral_px=0.0,
+        scale_sd=0.0,
+        offset_sd=0.0,
     )
 
 
