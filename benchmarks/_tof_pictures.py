@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from benchmarks import _tof_measures as measures
 from benchmarks import _tof_views as views
 from benchmarks._tables import wilson
-from benchmarks._tof_views import Patches, Profile
+from benchmarks._tof_measures import Patches, Profile
 from viewgain.arrays import Array
 from viewgain.box import FACES, outline
 
@@ -72,8 +73,8 @@ def _noise(pairs: "Sequence[Pair]", folder: Path) -> None:
     for panel, (camera, name) in zip(axes[0], _NAMES.items(), strict=True):
         parts = [noise_of(pair) for pair in pairs if pair.case.camera == camera]
         for colour, label, patches in (
-            (REAL, "real", views.joined([part[0] for part in parts])),
-            (SIMULATED, "simulated", views.joined([part[1] for part in parts])),
+            (REAL, "real", measures.joined([part[0] for part in parts])),
+            (SIMULATED, "simulated", measures.joined([part[1] for part in parts])),
         ):
             for on_floor, where, style in (
                 (False, "box", "--"),
@@ -112,13 +113,13 @@ def _bends(pairs: "Sequence[Pair]", folder: Path) -> None:
     figure, axes = _figure(10, 6.6, 2, 4)
     for column, (title, name) in enumerate(_SHOWN):
         pair = next(pair for pair in pairs if pair.case.title == title)
-        face = views.side_faces(pair.setup, pair.real)[0]
+        face = measures.side_faces(pair.setup, pair.real)[0]
         tof = pair.direct is not pair.simulated
         looks = [([pair.real], REAL, "real"), (pair.simulated, SIMULATED, "simulated")]
         looks += [(pair.direct, WITHOUT, "simulated without multipath")] if tof else []
         for several, colour, label in looks:
-            _line(axes[0, column], views.face_bend(several, face), colour, label, along=1e3)
-            _line(axes[1, column], views.floor_before(several), colour, label, along=1e3)
+            _line(axes[0, column], measures.face_bend(several, face), colour, label, along=1e3)
+            _line(axes[1, column], measures.floor_before(several), colour, label, along=1e3)
         incidence = float(np.median(pair.real.incidence_deg[pair.real.surface == face]))
         axes[0, column].set(title=f"{name}\nface {FACES[face % 5]}, seen at {incidence:.0f}°", xlabel="height over the floor, mm")
         axes[1, column].set(title="floor before that box", xlabel="distance from its foot, mm")
@@ -134,8 +135,8 @@ def _halo(pairs: "Sequence[Pair]", folder: Path) -> None:
     figure, axes = _figure(8, 3.6, 1, 2, sharey=True)
     for panel, (title, name) in zip(axes[0], _SHOWN[:2], strict=True):
         pair = next(pair for pair in pairs if pair.case.title == title)
-        _line(panel, views.floor_behind([pair.real]), REAL, "real")
-        _line(panel, views.floor_behind(pair.simulated), SIMULATED, "simulated")
+        _line(panel, measures.floor_behind([pair.real]), REAL, "real")
+        _line(panel, measures.floor_behind(pair.simulated), SIMULATED, "simulated")
         panel.axhline(0, color="#22262b", linewidth=0.8)
         panel.set(title=name, xlabel="distance from the box's outline, pixels")
     axes[0, 0].set_ylabel("dark floor behind the bright box\ntoo high by, mm")
@@ -154,13 +155,13 @@ def _flying(pairs: "Sequence[Pair]", folder: Path) -> None:
     figure, axes = _figure(10, 5.8, 2, 3, sharex=True, sharey=True)
     for column, (title, shadowed, name) in enumerate(shown):
         pair = next(pair for pair in pairs if pair.case.title == title)
-        real = views.rim(pair.real, shadowed=shadowed)
-        simulated = [part for look in pair.simulated if (part := views.rim(look, shadowed=shadowed)) is not None]
+        real = measures.rim(pair.real, shadowed=shadowed)
+        simulated = [part for look in pair.simulated if (part := measures.rim(look, shadowed=shadowed)) is not None]
         for row, what in enumerate(("flying", "missing")):
             panel = axes[row, column]
             for parts, colour, label in (([real], REAL, "real"), (simulated, SIMULATED, "simulated")):
                 found = [part for part in parts if part is not None]
-                _line(panel, views.shares_along(found, EDGE_PX, what), colour, label, scale=100)
+                _line(panel, measures.shares_along(found, EDGE_PX, what), colour, label, scale=100)
             panel.axvline(0, color="#22262b", linewidth=0.8)
         axes[0, column].set_title(name)
         axes[1, column].set_xlabel("pixels from the outline\n(background < 0 < box)")
@@ -178,8 +179,8 @@ def _missing(pairs: "Sequence[Pair]", folder: Path) -> None:
     middle = (LOSS_DEG[:-1] + LOSS_DEG[1:]) / 2
     for panel, (title, name) in zip(axes[0], shown, strict=True):
         pair = next(pair for pair in pairs if pair.case.title == title)
-        parts = [views.missing_counts(look, LOSS_DEG) for look in pair.simulated]
-        both = (views.missing_counts(pair.real, LOSS_DEG), views.summed(parts))
+        parts = [measures.missing_counts(look, LOSS_DEG) for look in pair.simulated]
+        both = (measures.missing_counts(pair.real, LOSS_DEG), measures.summed(parts))
         enough = (both[0][1] >= 50) & (both[1][1] >= 50)
         for (lost, total), colour, label, aside in zip(both, (REAL, SIMULATED), ("real", "simulated"), (-0.6, 0.6), strict=True):
             for surface, where, mark in ((0, "box", "s"), (1, "floor", "o")):

@@ -31,8 +31,10 @@ def run(options: argparse.Namespace) -> None:
             signed, inside = found.T
             size = np.abs(signed)
             low, high = bootstrap(size, np.median)
-            rows.append((name, f"{np.mean(signed > -1):.3f}", percent(float(np.median(size))), f"{percent(low)} to {percent(high)}",
-                         percent(float(np.quantile(size, 0.9))), f"{100 * np.median(signed):+.2f} %", f"{inside.mean():.3f}"))  # fmt: skip
+            numbers = (float(np.median(size)), low, high, float(np.quantile(size, 0.9)))
+            median, lower, upper, late = (percent(number) for number in numbers)
+            bias, held = f"{100 * np.median(signed):+.2f} %", f"{inside.mean():.3f}"
+            rows.append((name, f"{np.mean(signed > -1):.3f}", median, f"{lower} to {upper}", late, bias, held))
     print(f"## What multipath costs the estimator: {options.scenes} random boxes and views, {CAMERA}, no systematic error\n")
     print(
         markdown(

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import _tof_measures as measures
 from benchmarks import _tof_views as views
 from benchmarks._data import data_folder
 from benchmarks._tables import markdown, wilson
-from benchmarks._tof_views import Case, Look, Patches, Profile, Setup
+from benchmarks._tof_measures import Patches, Profile
+from benchmarks._tof_views import Case, Look, Setup
 from viewgain.arrays import Array, Indices
 from viewgain.box import FACES
 from viewgain.scans import Scan, read_scan
@@ -90,6 +92,7 @@ def _pair(case: Case, file: Path) -> Pair:
 def _tables(pairs: list[Pair]) -> Iterator[tuple[str, str]]:
     organised = [pair for pair in pairs if pair.real.shape is not None]
     noise = {pair.case.title: noise_of(pair) for pair in pairs}
+    yield "What took the trai clouds", _trai(pairs)
     yield "Noise, by scan", _noise_by_scan(pairs, noise)
     yield "Noise against incidence", _noise_against(pairs, noise, INCIDENCES, "incidence_deg", "{:.0f}°")
     yield "Noise against range", _noise_against(pairs, noise, RANGES, "range", "{:.1f} m")
@@ -101,9 +104,21 @@ def _tables(pairs: list[Pair]) -> Iterator[tuple[str, str]]:
     yield "What the presets would be by these scans", _fits(organised, noise)
 
 
+def _trai(pairs: list[Pair]) -> str:
+    rows = []
+    for pair in pairs:
+        if pair.real.shape is None:
+            focal, strength, chance = views.pixel_grid(pair.scan)
+            step = f"{1e3 * views.depth_step(pair.scan):.2f}"
+            rows.append(
+                (pair.case.title, f"{focal:.1f}", f"{strength:.2f}", f"{chance:.2f}", step, f"{1e3 * pair.case.leaf:.1f}")
+            )
+    return markdown(("scan", "focal length [px]", "strength", "by chance", "depth step / z² [mm/m²]", "voxels [mm]"), rows)
+
+
 def noise_of(pair: Pair) -> tuple[Patches, Patches]:
     """Return the patches of the real scan and of all simulated ones."""
-    return views.noise_patches(pair.real), views.joined([views.noise_patches(look) for look in pair.simulated])
+    return measures.noise_patches(pair.real), measures.joined([measures.noise_patches(look) for look in pair.simulated])
 
 
 def ratio(real: Array, simulated: Array, draws: int = 400) -> tuple[float, float, float]:
@@ -125,7 +140,7 @@ def _noise_by_scan(pairs: list[Pair], noise: dict[str, tuple[Patches, Patches]])
             if len(a.sd) < 5 or len(b.sd) < 5:
                 continue
             organised = pair.real.shape is not None
-            lags = tuple(f"{views.lag_one(part):.2f}" if organised else "" for part in (a, b))
+            lags = tuple(f"{measures.lag_one(part):.2f}" if organised else "" for part in (a, b))
             rows.append((pair.case.title, pair.case.camera, name, len(a.sd), *_sds(a, b), *lags))
     header = ("scan", "simulated as", "on", "patches", "real [mm]", "simulated [mm]", "real / simulated", "lag 1", "simulated")
     return markdown(header, rows)
@@ -142,7 +157,7 @@ def _noise_against(
     rows = []
     for camera in dict.fromkeys(pair.case.camera for pair in pairs):
         mine = [noise[pair.case.title] for pair in pairs if pair.case.camera == camera]
-        real, simulated = (views.joined([part[k] for part in mine]) for k in (0, 1))
+        real, simulated = (measures.joined([part[k] for part in mine]) for k in (0, 1))
         for low, high in pairwise(edges):
             a, b = (part.take((getattr(part, what) >= low) & (getattr(part, what) < high)) for part in (real, simulated))
             if len(a.sd) >= least and len(b.sd) >= least:
@@ -153,8 +168,8 @@ def _noise_against(
 def _bends(pairs: list[Pair]) -> str:
     rows = []
     for pair in pairs:
-        for face in views.side_faces(pair.setup, pair.real):
-            profiles = [views.face_bend(looks, face) for looks in ([pair.real], pair.simulated, pair.direct)]
+        for face in measures.side_faces(pair.setup, pair.real):
+            profiles = [measures.face_bend(looks, face) for looks in ([pair.real], pair.simulated, pair.direct)]
             if pair.direct is pair.simulated:
                 profiles = profiles[:2]
             cells = [_cell(profile, 0) for profile in profiles] + [""] * (3 - len(profiles))
@@ -178,12 +193,12 @@ def _bend_shares(pairs: list[Pair]) -> str:
             continue
         alone = Effects.only("multipath")
         looks = [views.simulated_look(pair.setup, seed=0, like=pair.scan, effects=alone, shares=shares) for shares in SHARES]
-        for face in views.side_faces(pair.setup, pair.real):
-            real = views.face_bend([pair.real], face)
-            simulated = [f"{1e3 * views.face_bend([look], face).mean[0]:.1f}" for look in looks]
+        for face in measures.side_faces(pair.setup, pair.real):
+            real = measures.face_bend([pair.real], face)
+            simulated = [f"{1e3 * measures.face_bend([look], face).mean[0]:.1f}" for look in looks]
             rows.append((pair.case.title, f"face {FACES[face % 5]}, foot", _cell(real, 0), *simulated))
-        simulated = [f"{1e3 * _mean(views.floor_before([look]), 0):.1f}" for look in looks]
-        rows.append((pair.case.title, "floor, 0 to 1 cm", _cell(views.floor_before([pair.real]), 0), *simulated))
+        simulated = [f"{1e3 * _mean(measures.floor_before([look]), 0):.1f}" for look in looks]
+        rows.append((pair.case.title, "floor, 0 to 1 cm", _cell(measures.floor_before([pair.real]), 0), *simulated))
     return markdown(("scan", "where", "real [mm]", *(f"box {box}, floor {floor} [mm]" for box, floor in SHARES)), rows)
 
 
@@ -195,8 +210,8 @@ def _floors(pairs: list[Pair]) -> str:
     rows = []
     for pair in pairs:
         for name, profile, places in (
-            ("before the lit faces", views.floor_before, ((0, "0 to 1 cm"), (3, "3 to 4.5 cm"), (6, "8 to 10 cm"))),
-            ("behind a depth edge", views.floor_behind, ((1, "2 to 4 px"), (4, "8 to 11 px"), (7, "20 to 26 px"))),
+            ("before the lit faces", measures.floor_before, ((0, "0 to 1 cm"), (3, "3 to 4.5 cm"), (6, "8 to 10 cm"))),
+            ("behind a depth edge", measures.floor_behind, ((1, "2 to 4 px"), (4, "8 to 11 px"), (7, "20 to 26 px"))),
         ):
             real, simulated = profile([pair.real]), profile(pair.simulated)
             if real is None or simulated is None:
@@ -210,13 +225,13 @@ def _edges(pairs: list[Pair]) -> str:
     rows = []
     for pair in pairs:
         for name, shadowed in (("lit", False), ("in the lamp's shadow", True)):
-            real = views.rim(pair.real, shadowed=shadowed)
-            simulated = [part for look in pair.simulated if (part := views.rim(look, shadowed=shadowed)) is not None]
+            real = measures.rim(pair.real, shadowed=shadowed)
+            simulated = [part for look in pair.simulated if (part := measures.rim(look, shadowed=shadowed)) is not None]
             if real is None or not simulated:
                 continue
             shift = ", ".join(f"{value:.1f}" for value in real.shift_px)
             for what in ("flying", "midway", "missing"):
-                cells = [_share(*views.band_share(part, what)) for part in ([real], simulated)]
+                cells = [_share(*measures.band_share(part, what)) for part in ([real], simulated)]
                 rows.append((pair.case.title, name, what, *cells, shift))
     return markdown(("scan", "background", "within 3 px", "real [%]", "simulated [%]", "outline moved in by [px]"), rows)
 
@@ -228,8 +243,8 @@ def _share(mean: float, low: float, high: float) -> str:
 def _missing(pairs: list[Pair]) -> str:
     rows = []
     for pair in pairs:
-        lost, total = views.missing_counts(pair.real, LOSS_DEG)
-        lost_too, total_too = views.summed([views.missing_counts(look, LOSS_DEG) for look in pair.simulated])
+        lost, total = measures.missing_counts(pair.real, LOSS_DEG)
+        lost_too, total_too = measures.summed([measures.missing_counts(look, LOSS_DEG) for look in pair.simulated])
         for surface, name in enumerate(("faces", "floor")):
             for k in np.flatnonzero((total[surface] >= 50) & (total_too[surface] >= 50)):
                 counts = [(a[surface, k], b[surface, k]) for a, b in ((lost, total), (lost_too, total_too))]
@@ -243,7 +258,7 @@ def _fits(pairs: list[Pair], noise: dict[str, tuple[Patches, Patches]]) -> str:
     rows = []
     for camera in dict.fromkeys(pair.case.camera for pair in pairs):
         mine = [pair for pair in pairs if pair.case.camera == camera]
-        patches = views.joined([noise[pair.case.title][0] for pair in mine])
+        patches = measures.joined([noise[pair.case.title][0] for pair in mine])
         free, power = noise_fit(patches)
         held, _ = noise_fit(patches, power=1.0)
         rows.append((camera, "noise at 1 m head-on, if it grows as range / cos^p, mm", _interval(free, 1e3)))
@@ -257,13 +272,13 @@ def _fits(pairs: list[Pair], noise: dict[str, tuple[Patches, Patches]]) -> str:
         rows += [(camera, f"misfit of {name}", f"{misfit(mine, **changes):.3f}") for name, misfit, changes in fits]
         if lit:
             looks = [pair.real for pair in mine], [pair.simulated[0] for pair in mine]
-            real, simulated = (views.light_profile(part)[:4].mean() for part in looks)
+            real, simulated = (measures.light_profile(part)[:4].mean() for part in looks)
             words = f"{100 * real:.1f} %, simulated {100 * simulated:.1f} %"
             rows.append((camera, "light of the box on the background 2 to 4 px away", words))
     return markdown(("camera", "what", "by the scans"), rows)
 
 
-FOOTPRINTS = (1.0, 1.5, 2.0, 2.5)
+FOOTPRINTS = (1.0, 1.25, 1.5, 1.75, 2.0, 2.5)
 FILTERS = (0.02, 0.03, 0.05, 0.07, 0.1)
 
 
@@ -275,31 +290,34 @@ def _changed(pair: Pair, seed: int = 0, **changes: Any) -> Look:
     return views.simulated_look(pair.setup, seed=seed, like=pair.scan, change=lambda preset: replace(preset, **changes))
 
 
-def _blur_misfit(pairs: list[Pair], **changes: float) -> float:
+def _blur_misfit(pairs: list[Pair], **changes: Any) -> float:
     """Return the root mean square difference of the amplitude's rise within 2 pixels of the lit edges."""
     middle = slice(4, -4)
-    real = views.light_profile([pair.real for pair in pairs])[middle]
-    return float(np.sqrt(np.mean(np.square(real - views.light_profile([_changed(pair, **changes) for pair in pairs])[middle]))))
+    real, simulated = (
+        measures.light_profile(looks)[middle]
+        for looks in ([pair.real for pair in pairs], [_changed(pair, **changes) for pair in pairs])
+    )
+    return float(np.sqrt(np.mean(np.square(real - simulated))))
 
 
-def _edge_misfit(pairs: list[Pair], **changes: float) -> float:
+def _edge_misfit(pairs: list[Pair], **changes: Any) -> float:
     """Return the root mean square difference of the share of midway pixels, pixel by pixel within BAND_PX of the lit edges."""
-    return _rim_misfit(pairs, "midway", np.arange(-views.BAND_PX, views.BAND_PX + 0.5), **changes)
+    return _rim_misfit(pairs, "midway", np.arange(-measures.BAND_PX, measures.BAND_PX + 0.5), **changes)
 
 
-def _missing_misfit(pairs: list[Pair], **changes: float) -> float:
+def _missing_misfit(pairs: list[Pair], **changes: Any) -> float:
     """Return the root mean square difference of the share of missing pixels within BAND_PX of the lit edges."""
-    return _rim_misfit(pairs, "missing", np.array([-views.BAND_PX, views.BAND_PX]), **changes)
+    return _rim_misfit(pairs, "missing", np.array([-measures.BAND_PX, measures.BAND_PX]), **changes)
 
 
-def _rim_misfit(pairs: list[Pair], what: str, edges: Array, **changes: float) -> float:
-    off = []
+def _rim_misfit(pairs: list[Pair], what: str, edges: Array, **changes: Any) -> float:
+    off: list[Array] = []
     for pair in pairs:
-        real = views.rim(pair.real)
-        rims = [views.rim(_changed(pair, seed, **changes)) for seed in SEEDS]
+        real = measures.rim(pair.real)
+        rims = [measures.rim(_changed(pair, seed, **changes)) for seed in SEEDS]
         simulated = [part for part in rims if part is not None]
         if real is not None and simulated:
-            off.append(views.shares_along([real], edges, what).mean - views.shares_along(simulated, edges, what).mean)
+            off.append(measures.shares_along([real], edges, what).mean - measures.shares_along(simulated, edges, what).mean)
     return float(np.sqrt(np.mean(np.square(off))))
 
 

@@ -15,12 +15,16 @@ Array = NDArray[np.float64]
 Piece = tuple[list[list[float]] | None, Array, float, float]
 """Corners of a polygon (None for an infinite plane), unit normal, offset (n.x + offset = 0), reflectivity."""
 
+Return = tuple[float, float, int]
+"""Range, strength and which piece was met (-1 for none)."""
+
 
 def footprint_image(scene: Scene, camera_to_world: Array, sensor: Sensor, per_side: int) -> Array:
     """Return the (h * w,) ranges of a pinhole camera whose every pixel looks through per_side^2 sub-rays; inf for nothing.
 
-    What a sub-ray meets is continued as a plane to the pixel's own ray, by at most a fifth of its range, so that a slope is no
-    mixture. Time of flight adds phasors; the phase is counted from the strongest return. A pattern takes the middle range.
+    What a sub-ray meets is continued as a plane to the pixel's own ray, by what two pixels make on a slope of 81 degrees, so that
+    a slope is no mixture. Time of flight adds phasors; the phase is counted from the strongest return. A pattern takes the middle
+    range on the surface that most sub-rays see.
     """
     pieces = [piece for k, box in enumerate(scene.boxes) for piece in _faces(box, float(scene.body_reflectivity[k]))]
     first_plane = len(scene.boxes) + len(scene.meshes)
@@ -36,7 +40,7 @@ def footprint_image(scene: Scene, camera_to_world: Array, sensor: Sensor, per_si
             for down in steps:
                 for right in steps:
                     ray = turn @ _unit((column + right - camera.cx) / camera.fx, (row + down - camera.cy) / camera.fy)
-                    returns.append(_return(pieces, eye, ray, centre))
+                    returns.append(_return(pieces, eye, ray, centre, min(2 * 6.3 / camera.fx, 0.5)))
             image[row, column] = _phasors(returns, sensor.wavelength) if sensor.kind == "tof" else _middle(returns)
     return image.ravel()
 
@@ -56,10 +60,10 @@ def _unit(x: float, y: float) -> Array:
     return np.array([x, y, 1.0]) / math.sqrt(x * x + y * y + 1)
 
 
-def _return(pieces: list[Piece], eye: Array, ray: Array, centre: Array) -> tuple[float, float]:
-    """Return the range, continued to the centre's ray, and the strength of what one sub-ray meets."""
-    best, chosen = math.inf, None
-    for piece in pieces:
+def _return(pieces: list[Piece], eye: Array, ray: Array, centre: Array, bend: float) -> Return:
+    """Return the range, continued to the centre's ray, the strength and the index of what one sub-ray meets."""
+    best, chosen = math.inf, -1
+    for index, piece in enumerate(pieces):
         corners, normal, offset, _ = piece
         if corners is None:
             approach, height = -float(normal @ ray), float(normal @ eye) + offset
@@ -67,24 +71,28 @@ def _return(pieces: list[Piece], eye: Array, ray: Array, centre: Array) -> tuple
         else:
             distance, _ = hit_polygon([tuple(c) for c in corners], tuple(eye.tolist()), tuple(ray.tolist()))  # type: ignore[misc]
         if distance < best:
-            best, chosen = distance, piece
-    if chosen is None:
-        return math.inf, 0.0
-    _, normal, _, reflectivity = chosen
+            best, chosen = distance, index
+    if chosen < 0:
+        return math.inf, 0.0, -1
+    _, normal, _, reflectivity = pieces[chosen]
     factor = float(normal @ ray) / float(normal @ centre)
-    return best * min(max(factor, 0.8), 1.2), reflectivity * abs(float(normal @ ray)) / best**2
+    factor = 2.0 if factor < 0 else factor  # the pixel's own ray never meets that plane
+    return best * min(max(factor, 1 - bend), 1 + bend), reflectivity * abs(float(normal @ ray)) / best**2, chosen
 
 
-def _phasors(returns: list[tuple[float, float]], wavelength: float) -> float:
-    strongest, weight = max(returns, key=lambda each: each[1])
+def _phasors(returns: list[Return], wavelength: float) -> float:
+    strongest, weight, _ = max(returns, key=lambda each: each[1])
     if weight == 0:
         return math.inf
-    total = sum(w * cmath.exp(2j * math.pi * (r - strongest) / wavelength) for r, w in returns if w > 0)
+    total = sum(w * cmath.exp(2j * math.pi * (r - strongest) / wavelength) for r, w, _ in returns if w > 0)
     return strongest + cmath.phase(total) * wavelength / (2 * math.pi)
 
 
-def _middle(returns: list[tuple[float, float]]) -> float:
-    return sorted(r for r, _ in returns)[(len(returns) - 1) // 2]
+def _middle(returns: list[Return]) -> float:
+    seen = [piece for _, _, piece in returns]
+    most = max(seen, key=seen.count)
+    on_it = sorted(r for r, _, piece in returns if piece == most)
+    return on_it[(len(on_it) - 1) // 2]
 
 
 def flipped_edges(sigma: float, rows: int, rng: np.random.Generator, *, sigma_beyond: float | None = None) -> Array:

@@ -27,7 +27,8 @@ triples = st.tuples(numbers, numbers, numbers)
 
 def any_box(turn: tuple[float, ...], place: tuple[float, ...], extents: tuple[float, ...]) -> Box:
     """A box in any pose about two metres before a camera at the world's origin that looks along z."""
-    return Box(pose(rotation_from_rotvec(3 * np.array(turn)), np.array(place) + [0, 0, 2.2]), np.abs(extents) + 0.05)
+    place_ahead = np.array([place[0], place[1], place[2] + 2.2])
+    return Box(pose(rotation_from_rotvec(3 * np.array(turn)), place_ahead), np.abs(extents) + 0.05)
 
 
 def cast(boxes: list[Box], planes: list[Plane], camera: Array, directions: Any = DIRECTIONS) -> tuple[Any, Any, Any]:

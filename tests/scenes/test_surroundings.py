@@ -1,5 +1,7 @@
 """Random scenes: what they promise about numbers, places and sizes, and that a seed makes the same one."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -71,7 +73,7 @@ def test_stacked_boxes_stand_on_the_one_below_and_within_its_top() -> None:
     found = 0
     for seed in SEEDS:
         boxes = scene_of(seed, Surroundings(boxes=(3, 3), stacked=1.0)).boxes
-        for lower, upper in zip(boxes, boxes[1:], strict=False):
+        for lower, upper in pairwise(boxes):
             foot = transform(inverse(lower.box_to_camera), upper.corners()[:4])
             np.testing.assert_allclose(foot[:, 2], lower.extents[2], atol=1e-9)
             assert np.all(np.abs(foot[:, :2]) <= lower.extents[:2] / 2 + 1e-9)

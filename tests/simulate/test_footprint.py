@@ -17,7 +17,7 @@ from viewgain.geometry import pose
 from viewgain.rays import Hits, SceneCaster
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import Effects, capture, true_hits
-from viewgain.simulate._footprint import SUBRAYS, _majority, _phasor_sum, pixels_near_edges
+from viewgain.simulate._footprint import SUBRAYS, _middle, _most_seen, _phasor_sum, pixels_near_edges
 
 BOX = standing_box(np.array([0.35, 0.25, 0.3]), yaw=0.4)
 MIXING, LATERAL = Effects.only("mixing"), Effects.only("lateral")
@@ -100,8 +100,17 @@ def test_phasors_by_hand() -> None:
     )
     np.testing.assert_allclose(ranges, [1.125, 1.0, np.inf])
     np.testing.assert_allclose(amplitude, [np.sqrt(0.5), 0.5, 0.0], atol=1e-12)
-    ranges, amplitude = _majority(np.array([[1.0, 2.0, 2.0], [np.inf, 1.0, 1.0], [np.inf, np.inf, 1.0]]), np.ones((3, 3)), 1.0)
-    np.testing.assert_array_equal(ranges, [2.0, 1.0, np.inf])
+
+
+def test_a_pattern_locks_to_the_surface_that_most_sub_rays_see() -> None:
+    """Four see the near one, one the middle, three the far: the near one, though the middle one is the median."""
+    patches = np.array([[5, 5, 5, 5, 7, 9, 9, 9], [-1, -1, -1, -1, -1, 2, 2, 2], [3, 3, 3, 3, 3, 3, 3, -1]], dtype=np.int32)
+    chosen = _most_seen(patches)
+    np.testing.assert_array_equal(chosen[0], patches[0] == 5)
+    np.testing.assert_array_equal(chosen[1], patches[1] == -1)
+    np.testing.assert_array_equal(chosen[2], patches[2] == 3)
+    ranges = np.array([[1.0, 1.2, 1.1, np.nan], [np.inf, np.inf, np.nan, np.nan], [2.0, np.nan, np.nan, np.nan]])
+    np.testing.assert_array_equal(_middle(ranges), [1.1, np.inf, 2.0])
 
 
 @pytest.mark.parametrize("reflectivity", [(0.5, 0.5), (0.2, 0.9), (0.9, 0.2)])

@@ -238,7 +238,7 @@ def test_the_wiggle_is_a_sine_of_its_amplitude_and_period(amplitude: float, peri
     wrong = ranges_of(capture(only_plane(target), EYE, camera, rng=rng(), effects=Effects.only("wiggle"))) - true
     assert np.ptp(true) > period  # a whole period is in view
     np.testing.assert_allclose([wrong.min(), wrong.max()], [-amplitude, amplitude], rtol=1e-3)
-    np.testing.assert_allclose(wrong, amplitude * np.sin(2 * np.pi * true / period), atol=1e-9)
+    np.testing.assert_allclose(wrong, amplitude * np.sin(2 * np.pi * true / period), atol=1e-7)
 
 
 def test_the_wiggle_repeats_after_its_period_and_is_off_for_a_perfectly_calibrated_camera() -> None:
@@ -247,8 +247,8 @@ def test_the_wiggle_repeats_after_its_period_and_is_off_for_a_perfectly_calibrat
         ranges_of(capture(only_plane(flat_target(z)), EYE, camera, rng=rng(), effects=Effects.only("wiggle")))[5, 5] - z
         for z in (1.05, 1.45, 1.25)
     ]
-    np.testing.assert_allclose(centre[1], centre[0], atol=1e-9)
-    np.testing.assert_allclose(centre[2], -centre[0], atol=1e-9)
+    np.testing.assert_allclose(centre[1], centre[0], atol=1e-7)
+    np.testing.assert_allclose(centre[2], -centre[0], atol=1e-7)
     scene = only_plane(flat_target(1.05))
     calibrated = ranges_of(capture(scene, EYE, camera.without_systematic(), rng=rng(), effects=Effects.only("wiggle")))
     np.testing.assert_allclose(calibrated[5, 5], 1.05, rtol=1e-12)

@@ -11,7 +11,7 @@ import pytest
 from tests.oracles.triangles import block
 from viewgain.camera import Intrinsics, Sensor, sensor
 from viewgain.errors import ConfigError, ScanError
-from viewgain.rigs import Jitter, KeepOut, Rig, Station, Target, poses
+from viewgain.rigs import Jitter, KeepOut, Rig, Station, Target, poses, ring
 from viewgain.scans import Scan, read_scan
 from viewgain.scenes import FLOOR, Scene, standing_box, wall
 from viewgain.simulate import FORMATS, Effects, RangeError, Recording, capture, record, single_threads, truth
@@ -64,7 +64,7 @@ def test_there_is_a_file_per_station_capture_and_format(tmp_path: Path) -> None:
 
 def test_refused_stations_say_why(tmp_path: Path) -> None:
     shots = record(recording(), tmp_path)
-    assert [shot.reason for shot in shots] == [None, "kept out", "too near", "saw nothing", None]
+    assert [shot.reason for shot in shots] == [None, "kept out", "too near", "fewer than 100 returns", None]
     assert [shot.name is None for shot in shots] == [False, True, True, True, False]
     assert all(np.shape(shot.camera_to_world) == (4, 4) for shot in shots)
     entries = truth_of(tmp_path)["scans"]
@@ -84,7 +84,7 @@ def test_what_is_written_is_what_the_camera_saw(ending: str, tmp_path: Path) -> 
     for shot in record(request, tmp_path):
         if shot.name is None:
             continue
-        chance = np.random.default_rng([7, shot.station, shot.capture])
+        chance = np.random.default_rng([7, 1, shot.station, shot.capture])
         cameras = poses(RIG, TARGET, elevation=np.deg2rad(35), distance=1.2, rng=chance)
         np.testing.assert_allclose(shot.camera_to_world, cameras[shot.station], atol=1e-12)
         expected = capture(SCENE, cameras[shot.station], SMALL, rng=chance)
@@ -171,15 +171,17 @@ def test_a_perfect_recording_has_no_jitter_and_no_noise(tmp_path: Path) -> None:
 
 def test_the_systematic_error_and_the_frames_are_the_scans_too(tmp_path: Path) -> None:
     error = RangeError(0.02, 0.01)
-    scan = read_scan(tmp_path / f"{record(recording(perfect=True, error=error), tmp_path)[0].name}.npz")
+    still = replace(RIG, jitter=Jitter())
+    request = recording(effects=Effects.only(), error=error, rig=still)
+    scan = read_scan(tmp_path / "error" / f"{record(request, tmp_path / 'error')[0].name}.npz")
     exact = poses(RIG, TARGET, elevation=np.deg2rad(35), distance=1.2)[0]
     expected = capture(SCENE, exact, SMALL, rng=None, error=error)
     np.testing.assert_allclose(scan.points, expected.points, atol=1e-12)
-    request = recording(frames=4, effects=Effects.only("noise"), rig=replace(RIG, jitter=Jitter()))
+    request = recording(frames=4, effects=Effects.only("noise"), rig=still)
     averaged = read_scan(tmp_path / f"{record(request, tmp_path)[0].name}.npz")
     true = np.linalg.norm(capture(SCENE, exact, SMALL, rng=None).organised(), axis=-1)
     residual = (np.linalg.norm(averaged.organised(), axis=-1) - true) / SMALL.range_sigma(true, np.ones_like(true))
-    assert 0.4 < np.nanstd(residual) < 0.75  # a half, a little more for slopes and the darker bodies
+    assert 0.4 < np.nanstd(residual) < 0.8  # a half, a little more for slopes and the darker bodies
 
 
 def test_stations_that_leave_it_open_get_the_recordings_elevation_and_distance() -> None:
@@ -188,12 +190,34 @@ def test_stations_that_leave_it_open_get_the_recordings_elevation_and_distance()
     np.testing.assert_allclose([np.linalg.norm(offset), np.arcsin(offset[2] / np.linalg.norm(offset))], [1.4, 0.9])
 
 
-def test_old_files_of_the_same_name_are_replaced_and_others_stay(tmp_path: Path) -> None:
-    (tmp_path / "view00_000.npz").write_text("old")
+@pytest.mark.parametrize("old", ["view00_000.npz", "truth.json"])
+def test_a_folder_with_a_recording_is_left_alone_and_other_files_do_not_matter(old: str, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     record(recording(), tmp_path)
-    assert len(read_scan(tmp_path / "view00_000.npz").points) > 100
     assert (tmp_path / "notes.txt").read_text() == "mine"
+    (tmp_path / "again").mkdir()
+    (tmp_path / "again" / old).write_text("old")
+    with pytest.raises(ConfigError, match="holds a recording already"):
+        record(recording(), tmp_path / "again")
+    assert [path.name for path in (tmp_path / "again").iterdir()] == [old]
+
+
+def test_a_perfect_camera_says_so_in_its_truth_and_takes_no_error(tmp_path: Path) -> None:
+    record(recording(perfect=True), tmp_path)
+    told = json.loads((tmp_path / "truth.json").read_text())
+    assert told["perfect"] is True
+    assert not any(told["effects"].values())
+    assert told["range_error"] == {"scale": 0.0, "offset": 0.0}
+    with pytest.raises(ConfigError, match="systematic"):
+        recording(perfect=True, error=RangeError(0.01, 0.0))
+
+
+def test_a_camera_behind_a_wall_or_inside_a_box_takes_no_scan(tmp_path: Path) -> None:
+    """ring2 stands at azimuths 0 and 180: a wall before the first, a box around the second."""
+    around = standing_box(np.array([0.3, 0.3, 1.5]), at=(-1.0, 0.0))
+    scene = Scene((BOX, around), planes=(FLOOR, wall(0.0, 0.5)))
+    shots = record(recording(scene=scene, rig=ring(2), perfect=True), tmp_path)
+    assert [shot.reason for shot in shots] == ["behind a wall", "inside a box"]
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -206,12 +230,18 @@ def test_a_folder_that_cannot_be_made_is_one_line(workers: int, tmp_path: Path) 
         assert str(folder) in str(raised.value)
 
 
-@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_a_file_that_cannot_be_written_is_one_line_and_there_is_no_truth(workers: int, tmp_path: Path) -> None:
-    """A folder stands where the last scan should go; the one before it is whole and stays."""
-    (tmp_path / "view04_000.npz").mkdir()
-    with pytest.raises(ScanError, match=r"view04_000\.npz") as raised:
-        record(recording(), tmp_path, workers=workers)
+def test_a_disk_that_fills_up_is_one_line_and_there_is_no_truth(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The last scan has no room; the ones before it are whole and stay."""
+    replaced = os.replace
+
+    def full(source: Path, to: Path) -> None:
+        if "view04" in str(to):
+            raise OSError(28, "No space left on device")
+        replaced(source, to)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(ScanError, match=r"view04_000.*No space left") as raised:
+        record(recording(), tmp_path)
     assert "\n" not in str(raised.value)
     assert not (tmp_path / "truth.json").exists()
     assert len(read_scan(tmp_path / "view00_000.npz").points) > 100

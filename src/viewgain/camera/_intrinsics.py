@@ -8,6 +8,9 @@ import numpy as np
 from viewgain.arrays import Array, Points, Points2
 from viewgain.errors import ConfigError
 
+MOST_PIXELS = 50_000_000
+"""More than any depth camera has; beyond it a slip of the keyboard fills the memory."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Intrinsics:
@@ -31,6 +34,10 @@ class Intrinsics:
     def __post_init__(self) -> None:
         if self.width < 1 or self.height < 1:
             raise ConfigError(f"intrinsics: got an image of {self.width} x {self.height} pixels, wanted at least 1 x 1")
+        if self.width * self.height > MOST_PIXELS:
+            raise ConfigError(
+                f"intrinsics: got an image of {self.width} x {self.height} pixels, wanted at most {MOST_PIXELS:,} in all"
+            )
         numbers = (self.fx, self.fy, self.cx, self.cy, *self.distortion)
         if not np.all(np.isfinite(numbers)) or self.fx <= 0 or self.fy <= 0:
             raise ConfigError(f"intrinsics: got fx={self.fx}, fy={self.fy}, wanted finite numbers and positive focal lengths")

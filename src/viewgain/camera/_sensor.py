@@ -128,8 +128,12 @@ class Sensor:
             axial = axial * np.sqrt(self.noise_reflectivity / np.maximum(reflectivity, LEAST_REFLECTIVITY))
         if self.jitter_px == 0:
             return np.asarray(axial)
-        slope = self.jitter_px / self.intrinsics.fx * ranges * np.sqrt(1 - cosine**2) / cosine
-        return np.asarray(np.hypot(axial, slope))
+        return np.asarray(np.hypot(axial, self.jitter_sigma(ranges, cosine)))
+
+    def jitter_sigma(self, ranges: Array, cosine: Array) -> Array:
+        """Return the (n,) part of the range's standard deviation that the jitter of the rays causes on slopes, metres."""
+        cosine = np.clip(cosine, LEAST_COSINE, 1.0)
+        return np.asarray(self.jitter_px / self.intrinsics.fx * ranges * np.sqrt(1 - cosine**2) / cosine)
 
     def lateral_sigma(self, cosine: Array) -> Array:
         """Return the (n,) standard deviation of where a depth edge appears, pixels, on faces under these cosines of incidence."""

@@ -90,7 +90,7 @@ class Simulate:
     """Write simulated scans of a scene from every station of a rig, with the truth beside them."""
 
     out: Path
-    """Folder for the scans and truth.json."""
+    """Folder for the scans and truth.json, without a recording in it."""
     scene: Literal["box", "random", "mesh", "object"] = "box"
     """A box on a floor; a random scene of boxes, walls and clutter; a mesh file; a procedural object."""
     dims: tuple[float, float, float] = (0.4, 0.3, 0.2)
@@ -128,4 +128,4 @@ class Simulate:
     formats: tuple[Literal["png", "npz", "ply"], ...] = ("png", "npz")
     """What to write of each scan; a PNG comes with its camera JSON."""
     workers: int = 1
-    """Processes to share the work; the files are the same whatever the number."""
+    """Processes to share the stations; the files are the same whatever the number."""

@@ -1,5 +1,8 @@
 """``viewgain simulate``: scans of a simulated scene from every station of a rig, and the truth beside them."""
 
+from collections import Counter
+from typing import Literal
+
 import numpy as np
 
 from viewgain.camera import sensor
@@ -19,9 +22,11 @@ CLUTTERED = Surroundings(boxes=(1, 4), clutter=(0, 3), walls=(0, 2), reflectivit
 
 def run_simulate(command: Simulate) -> int:
     """Simulate, write, and say what was written; exit code 3 if no station could take a scan."""
+    if command.seed < 0:
+        raise ConfigError(f"got seed {command.seed}, wanted a whole number from 0 on")
     camera = sensor(command.camera)
     scene, target = _scene(command)
-    rng = np.random.default_rng([command.seed, 1])
+    rng = _stream(command, "camera")
     recording = Recording(
         scene=scene,
         target=target,
@@ -39,20 +44,28 @@ def run_simulate(command: Simulate) -> int:
     )
     shots = record(recording, command.out, workers=command.workers)
     taken = [shot for shot in shots if shot.name]
-    for shot in shots:
-        if shot.reason and shot.capture == 0:
-            print(f"station {shot.station}: {shot.reason}, no scan")
+    for (station, reason), count in Counter((shot.station, shot.reason) for shot in shots if shot.reason).items():
+        print(f"station {station}: {reason}, {count} of {command.captures} scans not taken")
     first = f", for instance {command.out / (taken[0].name or '')}.{recording.formats[0]}" if taken else ""
     print(f"{len(taken)} of {len(shots)} scans written to {command.out}{first}; the truth is in {command.out / 'truth.json'}")
     return 0 if taken else NOTHING_MEASURED
+
+
+def _stream(command: Simulate, what: Literal["scene", "camera"]) -> np.random.Generator:
+    """Return a generator of its own for what is drawn once; the scans draw from (seed, 1, station, capture)."""
+    return np.random.default_rng([command.seed, {"scene": 2, "camera": 3}[what]])
 
 
 def _scene(command: Simulate) -> tuple[Scene, Target]:
     """Return the scene that a command asks for, and what its rig stands around."""
     if not 0 < command.reflectivity <= 1:
         raise ConfigError(f"got a reflectivity of {command.reflectivity}, wanted one over 0 and up to 1")
+    if command.mesh is not None and command.scene != "mesh":
+        raise ConfigError(f"got --mesh {command.mesh} with --scene {command.scene}; a mesh file needs --scene mesh")
+    if not np.isfinite(command.yaw):
+        raise ConfigError(f"got a yaw of {command.yaw} degrees, wanted a finite angle")
     if command.scene == "random":
-        scene = random_scene(np.random.default_rng([command.seed, 0]), surroundings=CLUTTERED)
+        scene = random_scene(_stream(command, "scene"), surroundings=CLUTTERED)
         return scene, Target(scene.boxes[0].box_to_camera, scene.boxes[0].extents)
     if command.scene == "box":
         if not (np.all(np.isfinite(command.dims)) and min(command.dims) > 0):
@@ -70,7 +83,7 @@ def _scene(command: Simulate) -> tuple[Scene, Target]:
 
 def _mesh(command: Simulate) -> TriangleMesh:
     if command.scene == "object":
-        return procedural(command.category, rng=np.random.default_rng([command.seed, 0]))
+        return procedural(command.category, rng=_stream(command, "scene"))
     if command.mesh is None:
         raise ConfigError("--scene mesh needs --mesh FILE")
     return read_mesh(command.mesh)

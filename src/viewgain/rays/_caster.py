@@ -130,7 +130,7 @@ class SceneCaster:
         """Return the nearer of planar hits and hits of triangles."""
         nearer = np.flatnonzero(ranges < hits.ranges)
         surfaces = triangles[nearer] + FACES_PER_BOX * len(self.scene.boxes)
-        normals: Points = self.surfaces.normals[surfaces] @ camera_to_world[:3, :3]
+        normals: Points = self.surfaces.normals_of(surfaces) @ camera_to_world[:3, :3]
         merged = Hits(hits.ranges.copy(), hits.surfaces.copy(), hits.cosine.copy())
         merged.ranges[nearer] = ranges[nearer]
         merged.surfaces[nearer] = surfaces

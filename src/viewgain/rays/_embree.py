@@ -99,6 +99,8 @@ class EmbreeMesh:
 
     def _first(self, origins: Array, directions: Points) -> Ids:
         """Return the (n,) triangles that Embree says are hit first, -1 for a miss."""
+        if len(self._solid) == 0:
+            return np.full(len(directions), -1, dtype=np.int32)
         starts = np.broadcast_to((origins - self._middle).astype(np.float32), directions.shape)
         found = self._scene.run(starts, directions.astype(np.float32), query="INTERSECT")
         return found if len(self._solid) == len(self._planes) else np.where(found >= 0, self._solid[found], np.int32(-1))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Ids, Indices, Points, Vector
+from viewgain.arrays import Array, Ids, Points, Vector
 
 NOTHING = -1
 """Surface that a ray which meets nothing is given."""
@@ -20,10 +20,6 @@ class Hits:
     """(n,) index into :class:`Surfaces`; :data:`NOTHING` where nothing is met."""
     cosine: Vector
     """(n,) cosine of the angle of incidence, in [0, 1]; 0 where nothing is met."""
-
-    def take(self, chosen: Indices) -> "Hits":
-        """Return a subset of the rays."""
-        return Hits(self.ranges[chosen], self.surfaces[chosen], self.cosine[chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

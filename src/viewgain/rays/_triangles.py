@@ -118,7 +118,7 @@ def cast_plain(mesh: TriangleMesh, origins: Array, directions: Points) -> tuple[
 
     ranges = np.full(len(directions), np.inf)
     triangles = np.full(len(directions), -1, dtype=np.int32)
-    width = min(len(solid), 512)
+    width = max(min(len(solid), 512), 1)
     height = max(BLOCK // width, 1)
     for top in range(0, len(directions), height):
         rays = slice(top, top + height)

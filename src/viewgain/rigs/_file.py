@@ -33,7 +33,7 @@ def read_rig(path: Path) -> Rig:
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ConfigError(f"{path}: cannot be read as a rig file: {error}") from error
     with _inside(str(path)):
         _check_keys(content, TOP_KEYS)

@@ -10,6 +10,7 @@ from viewgain.geometry import Plane, pose, rotation_from_rotvec, transform
 from viewgain.meshes import TriangleMesh
 from viewgain.scenes._random import SceneRanges, random_box, standing_box
 from viewgain.scenes._scene import FLOOR, Scene, wall
+from viewgain.shapes import random_object
 
 _TRIES = 40
 """Places tried for a body before it is left out."""
@@ -127,8 +128,6 @@ def _somewhere(rng: np.random.Generator, spread: float) -> tuple[float, float]:
 
 
 def _clutter(rng: np.random.Generator, around: Surroundings, places: list[_Disc]) -> tuple[TriangleMesh, ...]:
-    from viewgain.shapes import random_object
-
     meshes = []
     for _ in range(int(rng.integers(around.clutter[0], around.clutter[1], endpoint=True))):
         mesh = random_object(rng=rng).normalised(float(rng.uniform(*around.clutter_diagonal)))

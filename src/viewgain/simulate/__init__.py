@@ -4,6 +4,7 @@ from viewgain.simulate._capture import capture as capture
 from viewgain.simulate._capture import true_hits as true_hits
 from viewgain.simulate._effects import ALL_EFFECTS as ALL_EFFECTS
 from viewgain.simulate._effects import EFFECTS as EFFECTS
+from viewgain.simulate._effects import NO_EFFECTS as NO_EFFECTS
 from viewgain.simulate._effects import Effects as Effects
 from viewgain.simulate._receive import NO_ERROR as NO_ERROR
 from viewgain.simulate._receive import RangeError as RangeError

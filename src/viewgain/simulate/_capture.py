@@ -1,17 +1,16 @@
 """A depth camera looks at a scene. One page tells the method: what the rays meet, what light comes back, what is made of it."""
 
-import warnings
-
 import numpy as np
 
-from viewgain.arrays import Array, Pose, Vector
+from viewgain.arrays import Array, Pose
 from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
 from viewgain.rays import Hits, SceneCaster, rays_through
 from viewgain.scans import Scan
 from viewgain.scenes import Scene
-from viewgain.simulate._effects import ALL_EFFECTS, Effects
+from viewgain.simulate._effects import ALL_EFFECTS, NO_EFFECTS, Effects
 from viewgain.simulate._footprint import mixed_signal
+from viewgain.simulate._memory import keep_freed_memory
 from viewgain.simulate._multipath import bounces
 from viewgain.simulate._receive import NO_ERROR, Draws, RangeError, received
 from viewgain.simulate._signal import direct_signal
@@ -34,7 +33,7 @@ def capture(
         scene: What is seen; a caster saves preparing a mesh anew for every pose.
         camera_to_world: (4, 4) pose of the camera.
         sensor: The camera.
-        rng: Source of all randomness; None for a perfect camera, whatever ``effects`` says.
+        rng: Source of all randomness; None for a perfect camera, whatever ``effects`` says; ``error`` still holds.
         effects: Which effects are on; default all.
         error: Systematic error of this particular camera; default none. See :func:`draw_range_error`.
         frames: Frames of the unmoved camera to average, at least 1; a pixel needs half of them.
@@ -50,14 +49,15 @@ def capture(
     """
     if frames < 1:
         raise ConfigError(f"got {frames} frames to average, wanted at least 1")
+    keep_freed_memory()
     caster = scene if isinstance(scene, SceneCaster) else SceneCaster(scene)
-    effects = Effects.only() if rng is None else effects or ALL_EFFECTS
+    effects = NO_EFFECTS if rng is None else effects or ALL_EFFECTS
     streams = _streams(rng)
     hits = _look(caster, camera_to_world, sensor, streams["jitter"] if effects.jitter else None)
     bounced = None
     if effects.multipath and sensor.kind == "tof":
         bounced = bounces(hits, caster.surfaces, camera_to_world, sensor)
-    taken = []
+    total, valid, brightness = (np.zeros(len(hits.ranges)) for _ in range(3))
     for _ in range(frames):
         signal = direct_signal(hits, caster.surfaces)
         if effects.mixing or effects.lateral:
@@ -65,9 +65,14 @@ def capture(
             signal = mixed_signal(signal, hits, caster, camera_to_world, sensor, mixing=effects.mixing, rng=lateral)
         if bounced is not None:
             signal = bounced.added_to(signal)
-        taken.append(received(signal, sensor, error or NO_ERROR, effects, _draws(len(hits.ranges), effects, streams)))
-    ranges = _average([frame[0] for frame in taken])
-    amplitude = np.sum([frame[1] for frame in taken], axis=0) / frames if frames > 1 else taken[0][1]
+        draws = _draws(len(hits.ranges), effects, streams)
+        ranges, amplitude = received(signal, sensor, error or NO_ERROR, effects, draws)
+        returned = np.isfinite(ranges)
+        np.add(total, ranges, out=total, where=returned)
+        valid += returned
+        brightness += amplitude
+    ranges = np.where(2 * valid >= frames, total / np.maximum(valid, 1), np.nan)
+    amplitude = brightness / frames
     shape = (sensor.intrinsics.height, sensor.intrinsics.width)
     return Scan.from_range(
         ranges.reshape(shape),
@@ -110,15 +115,3 @@ def _draws(count: int, effects: Effects, streams: dict[str, np.random.Generator]
         amplitude=streams["amplitude"].standard_normal(count) if effects.noise else nothing,
         loss=streams["loss"].random(count) if effects.loss else nothing,
     )
-
-
-def _average(frames: list[Vector]) -> Vector:
-    """Return the mean of the valid frames of each pixel, NaN where under half are valid."""
-    if len(frames) == 1:
-        return frames[0]
-    stack = np.array(frames)
-    valid = np.isfinite(stack).sum(axis=0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # pixels without any frame
-        mean = np.nanmean(stack, axis=0)
-    return np.where(2 * valid >= len(frames), mean, np.nan)

@@ -59,3 +59,7 @@ def _known(names: tuple[str, ...]) -> tuple[str, ...]:
     if unknown:
         raise ConfigError(f"effect {sorted(unknown)[0]!r} is not known; choose from {', '.join(EFFECTS)}")
     return names
+
+
+NO_EFFECTS = Effects.only()
+"""A perfect camera."""

@@ -8,7 +8,7 @@ surface and its centre says it all; a thing thinner than the distance of two pix
 import numpy as np
 from scipy import ndimage
 
-from viewgain.arrays import Array, Indices, Mask, Pose, Vector
+from viewgain.arrays import Array, Ids, Indices, Mask, Pose, Vector
 from viewgain.camera import Sensor
 from viewgain.rays import Hits, SceneCaster, Triple, pixel_rays, rays_through
 from viewgain.simulate._signal import Signal, lambertian, mixing_wavelength
@@ -23,8 +23,10 @@ _DARK = 1e-300
 """Less light than any pixel gets: keeps a weighted mean over nothing finite."""
 _CREASE = 0.03
 """Neighbouring ranges on one mesh that differ by more than this share may be an edge of it against itself."""
-_BEND = 0.2
-"""A surface is continued beyond its edge by at most this share of its range."""
+_STEEPEST = 6.3
+"""Tangent of the steepest incidence, 81 degrees, at which a surface is continued as it is; a steeper one as if it were this."""
+_CONTINUED = 2.0
+"""How far from its sub-ray a surface is continued, pixels."""
 
 
 def mixed_signal(
@@ -73,11 +75,15 @@ def _subrays(pixels: Indices, cosine: Vector, sensor: Sensor, mixing: bool, rng:
 
 def _integrated(ranges: Vector, seen: Hits, caster: SceneCaster, sensor: Sensor, count: int) -> Signal:
     """Return what each of ``count`` pixels makes of its sub-rays, whose surfaces lie at (e k,) ranges along its own ray."""
-    reflectivity = caster.surfaces.reflectivity[seen.surfaces]
+    reflectivity, ranges = caster.surfaces.reflectivity[seen.surfaces], ranges.reshape(count, -1)
     weight = lambertian(seen, reflectivity).reshape(count, -1)
+    if sensor.kind == "structured_light":
+        chosen = _most_seen(caster.surfaces.patches[seen.surfaces].reshape(count, -1))
+        weight = np.where(chosen, weight, 0.0)
+        mixed, amplitude = _middle(np.where(chosen, ranges, np.nan)), weight.mean(axis=1)
+    else:
+        mixed, amplitude = _phasor_sum(ranges, weight, mixing_wavelength(sensor))
     total = np.maximum(weight.sum(axis=1), _DARK)
-    combine = _phasor_sum if sensor.kind == "tof" else _majority
-    mixed, amplitude = combine(ranges.reshape(count, -1), weight, mixing_wavelength(sensor))
     cosine, reflected = ((weight * values.reshape(count, -1)).sum(axis=1) / total for values in (seen.cosine, reflectivity))
     return Signal(mixed, amplitude, cosine, reflected)
 
@@ -127,12 +133,14 @@ def _at_centre(
     So a slope seen a little off centre brings no range error of its own: lateral noise is measured at edges, and published range
     noise already holds what it does on slopes.
     """
-    normals = (caster.surfaces.normals[seen.surfaces] @ camera_to_world[:3, :3]).T
+    normals = (caster.surfaces.normals_of(seen.surfaces) @ camera_to_world[:3, :3]).T
     along = sum(normals[k] * directions[k] for k in range(3))
     along_centre = sum(normals[k] * component[pixels] for k, component in enumerate(pixel_rays(sensor.intrinsics)))
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.nan_to_num(along / along_centre, nan=1.0)
-        return np.asarray(seen.ranges * np.clip(factor, 1 - _BEND, 1 + _BEND))
+        factor = np.where(factor < 0, np.inf, factor)  # the pixel's own ray never meets that plane: it lies far off
+        bend = min(_CONTINUED / sensor.intrinsics.fx * _STEEPEST, 0.5)
+        return np.asarray(seen.ranges * np.clip(factor, 1 - bend, 1 + bend))
 
 
 def _phasor_sum(ranges: Array, weight: Array, wavelength: float) -> tuple[Vector, Vector]:
@@ -150,8 +158,17 @@ def _phasor_sum(ranges: Array, weight: Array, wavelength: float) -> tuple[Vector
     return np.where(found, phase_range, np.inf), np.hypot(real, imaginary) / weight.shape[1]
 
 
-def _majority(ranges: Array, weight: Array, wavelength: float) -> tuple[Vector, Vector]:
-    """Return the ranges and amplitudes of a pattern's correlation, which locks to the surface that fills most of the window."""
-    del wavelength
-    ordered = np.sort(ranges, axis=1)
-    return ordered[:, (ranges.shape[1] - 1) // 2], weight.mean(axis=1)
+def _most_seen(patches: Ids) -> Mask:
+    """Return the (e, k) mask of the sub-rays on the patch that most of a pixel's sub-rays see.
+
+    The correlation of a projected pattern locks to the surface that fills most of its window.
+    """
+    alike = (patches[:, :, None] == patches[:, None, :]).sum(axis=2)
+    winner = patches[np.arange(len(patches)), np.argmax(alike, axis=1)]
+    return np.asarray(patches == winner[:, None])
+
+
+def _middle(ranges: Array) -> Vector:
+    """Return the lower median of each row of (e, k) ranges, NaN left out; no row is all NaN."""
+    count = np.isfinite(ranges).sum(axis=1) + np.isinf(ranges).sum(axis=1)
+    return np.asarray(np.sort(ranges, axis=1)[np.arange(len(ranges)), (count - 1) // 2])

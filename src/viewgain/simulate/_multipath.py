@@ -8,21 +8,22 @@ disc; patch P receives of it
 
 against cos(theta_P) / r_P^2 of direct light, on a path (r_Q + d - r_P) / 2 longer in range. Summed as phasors (the model is ours,
 from the form factor of a disc). What is outside the image, and what stands between P and Q, is left out: between the faces of one
-box and the floor nothing can stand.
+box and the floor nothing can stand. Solid angles are those of a pinhole.
 """
 
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Array, Ids, Indices, Mask, Points, Pose, Vector
-from viewgain.camera import Sensor
-from viewgain.rays import Hits, Surfaces, as_rows, pixel_rays
+from viewgain.camera import Intrinsics, Sensor
+from viewgain.rays import Hits, Surfaces
 from viewgain.simulate._signal import Signal, mixing_wavelength
 
 FEW, MANY = 200, 800
-"""Patches of the image that light up others, about: few for a surface of many receivers, such as a floor, many for a small face."""
+"""Patches of the image that light up others, about: few for a surface of many receivers, like a floor; many for a small face."""
 RECEIVERS = 1500
 """Patches of the image for which the light is summed; between them it is interpolated on the same surface."""
 _LEAST_COSINE = 0.03
@@ -96,11 +97,12 @@ def bounced(receivers: _Patches, few: _Patches, many: _Patches, wavelength: floa
     for patch in np.unique(receivers.patch):
         on = np.flatnonzero(receivers.patch == patch)
         emitters = many if len(on) < MANY / 2 else few
-        in_front = np.arange(len(emitters.ranges))
         if _flat(receivers, on):
-            in_front = np.flatnonzero(_heights(emitters.points, receivers, on[0]) > _LEAST_HEIGHT)
-        if len(in_front):
-            ratio[on] = _bounced_between(emitters.take(in_front), receivers.take(on), wavelength)
+            over = _heights(emitters.points, receivers, on[0])
+            emitters, over = emitters.take(np.flatnonzero(over > _LEAST_HEIGHT)), over[over > _LEAST_HEIGHT, None]
+        else:
+            over = _over(emitters.points, receivers.take(on))
+        ratio[on] = _bounced_between(emitters, receivers.take(on), over, wavelength)
     return ratio
 
 
@@ -114,31 +116,40 @@ def _heights(points: Points, patches: _Patches, index: int) -> Vector:
     return np.asarray((points - patches.points[index]) @ patches.normals[index])
 
 
-def _bounced_between(emitters: _Patches, receivers: _Patches, wavelength: float) -> Complex:
-    """Return the (r,) sum over all pairs of which each side lies in front of the other."""
-    towards = emitters.points @ receivers.normals.T - np.sum(receivers.points * receivers.normals, axis=1)
-    back = emitters.normals @ receivers.points.T - np.sum(emitters.points * emitters.normals, axis=1)[:, None]
-    facing = (towards > _LEAST_HEIGHT) & (back > _LEAST_HEIGHT)
+def _over(points: Points, patches: _Patches) -> Array:
+    """Return the (n, m) heights of points over the planes of pieces, metres; the same sums whatever the number of threads."""
+    x, y, z = patches.normals.T
+    offset = np.sum(patches.points * patches.normals, axis=1)
+    return np.asarray(points[:, :1] * x + points[:, 1:2] * y + points[:, 2:] * z - offset)
+
+
+def _bounced_between(emitters: _Patches, receivers: _Patches, over: Array, wavelength: float) -> Complex:
+    """Return the (r,) sum over all pairs of which each side lies in front of the other.
+
+    ``over`` is the height of each emitter over each receiver's plane: (q, r), or (q, 1) for receivers in one plane.
+    """
+    back = _over(receivers.points, emitters).T
+    facing = (over > _LEAST_HEIGHT) & (back > _LEAST_HEIGHT)
     q, p = np.nonzero(facing)
-    square = np.sum((emitters.points[q] - receivers.points[p]) ** 2, axis=1)
-    towards, back = towards[facing], back[facing]
+    square = sum(
+        (there[q] - here[p]) ** 2 for there, here in zip(emitters.points.T.copy(), receivers.points.T.copy(), strict=True)
+    )
+    towards, back = np.broadcast_to(over, facing.shape)[facing], back[facing]
     area = emitters.solid_angle * emitters.ranges**2 / np.maximum(emitters.cosine, _LEAST_COSINE)
     light = (emitters.reflectivity * emitters.solid_angle)[q] * towards * back / (square * (np.pi * square + area[q]))
     light *= (receivers.ranges**2 / np.maximum(receivers.cosine, _LEAST_COSINE))[p]
-    turn = np.pi / wavelength * (emitters.ranges[q] + np.sqrt(square) - receivers.ranges[p])
+    turn = (np.pi / wavelength * (emitters.ranges[q] + np.sqrt(square) - receivers.ranges[p])).astype(np.float32)
     count = len(receivers.ranges)
     return np.asarray(np.bincount(p, light * np.cos(turn), count) + 1j * np.bincount(p, light * np.sin(turn), count))
 
 
 def _patches(hits: Hits, surfaces: Surfaces, camera_to_world: Pose, sensor: Sensor, count: int) -> _Patches:
     """Return about ``count`` pixels on a square grid that see something."""
-    camera = sensor.intrinsics
-    stride = _stride(sensor, count)
-    rows, columns = np.mgrid[stride // 2 : camera.height : stride, stride // 2 : camera.width : stride].reshape(2, -1)
+    camera, stride = sensor.intrinsics, _stride(sensor, count)
+    rows, columns, directions = _grid(camera, stride)
     pixels = rows * camera.width + columns
     seen = np.isfinite(hits.ranges[pixels])
-    rows, columns, pixels = rows[seen], columns[seen], pixels[seen]
-    directions = as_rows(tuple(component[pixels] for component in pixel_rays(camera)))
+    rows, columns, directions, pixels = rows[seen], columns[seen], directions[seen], pixels[seen]
     surface = hits.surfaces[pixels]
     normals = surfaces.normals[surface] @ camera_to_world[:3, :3]
     # A mesh has no outside; what is seen is turned to the camera.
@@ -147,6 +158,13 @@ def _patches(hits: Hits, surfaces: Surfaces, camera_to_world: Pose, sensor: Sens
         rows, columns, hits.ranges[pixels, None] * directions, normals, hits.ranges[pixels], hits.cosine[pixels],
         surfaces.reflectivity[surface], surfaces.patches[surface], stride**2 * directions[:, 2] ** 3 / (camera.fx * camera.fy),
     )  # fmt: skip
+
+
+@lru_cache(maxsize=16)
+def _grid(camera: Intrinsics, stride: int) -> tuple[Indices, Indices, Points]:
+    """Return rows, columns and unit directions of every ``stride``-th pixel both ways; not to be written to."""
+    rows, columns = np.mgrid[stride // 2 : camera.height : stride, stride // 2 : camera.width : stride].reshape(2, -1)
+    return rows, columns, camera.directions()[rows, columns]
 
 
 def _stride(sensor: Sensor, count: int) -> int:
@@ -186,13 +204,13 @@ def _interpolated(values: Array, receivers: _Patches, patch: Ids, sensor: Sensor
         beside = np.flatnonzero(corner[2] != mine)
         row, column = cell[0][beside // camera.width] + i, cell[1][beside % camera.width] + j
         weights[0].ravel()[beside] += bilinear.ravel()[beside] * touching[patch[beside], row, column]
-    alone = np.flatnonzero((weights[1].ravel() == 0) & (patch >= 0))
     total /= np.maximum(weights, 1e-6)
     out = total.reshape(2, -1).astype(float)
-    if len(alone):
-        count = np.bincount(receivers.patch, minlength=patch.max() + 1)
-        mean = np.stack([np.bincount(receivers.patch, value, len(count)) for value in values]) / np.maximum(count, 1)
-        out[:, alone] = mean[:, patch[alone]]
+    count = np.maximum(np.bincount(receivers.patch, minlength=int(patch.max(initial=0)) + 1), 1)
+    for which, (value, weight) in enumerate(zip(values, weights, strict=True)):
+        alone = np.flatnonzero((weight.ravel() == 0) & (patch >= 0))
+        if len(alone):
+            out[which, alone] = (np.bincount(receivers.patch, value, len(count)) / count)[patch[alone]]
     return out
 
 

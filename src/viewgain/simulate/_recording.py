@@ -1,6 +1,6 @@
 """A recording: the scans of one scene from all stations of a rig, on disk, with the truth beside them.
 
-Scan k of station s draws from the seeds (seed, s, k), so the files are the same bits however many processes write them.
+Scan k of station s draws from the seeds (seed, 1, s, k), so the files are the same bits however many processes write them.
 """
 
 import json
@@ -16,19 +16,22 @@ from typing import Any
 
 import numpy as np
 
-from viewgain.arrays import Poses
+from viewgain.arrays import Poses, Vector3
 from viewgain.camera import Sensor
 from viewgain.errors import ConfigError, ScanError
+from viewgain.geometry import inverse, transform
 from viewgain.rays import SceneCaster
 from viewgain.rigs import Rig, Target, poses, refusals
-from viewgain.scans import write_files, write_scan
+from viewgain.scans import MIN_POINTS, write_files, write_scan
 from viewgain.scenes import Scene
 from viewgain.simulate._capture import capture
-from viewgain.simulate._effects import ALL_EFFECTS, Effects
+from viewgain.simulate._effects import ALL_EFFECTS, NO_EFFECTS, Effects
 from viewgain.simulate._receive import NO_ERROR, RangeError
 
 FORMATS = ("png", "npz", "ply")
 """What a scan can be written as."""
+FARTHEST = 1000.0
+"""Farther from its target than this no station is placed, metres."""
 SCHEMA = 1
 """Version of the layout of truth.json."""
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -68,6 +71,15 @@ class Recording:
     def __post_init__(self) -> None:
         if self.captures < 1 or self.frames < 1:
             raise ConfigError(f"got {self.captures} captures of {self.frames} frames, wanted at least one of each")
+        if self.seed < 0:
+            raise ConfigError(f"got seed {self.seed}, wanted a whole number from 0 on")
+        if not (np.isfinite(self.elevation) and 0 < self.distance <= FARTHEST):
+            place = f"elevation {np.rad2deg(self.elevation):g} degrees, distance {self.distance:g} m"
+            raise ConfigError(f"got {place}; wanted a finite angle and a distance over 0 and up to {FARTHEST:g} m")
+        if self.perfect and self.error != NO_ERROR:
+            raise ConfigError("got a perfect camera with a systematic error; leave one of the two out")
+        if self.perfect:
+            object.__setattr__(self, "effects", NO_EFFECTS)
         unknown = set(self.formats) - set(FORMATS)
         if unknown or not self.formats:
             raise ConfigError(f"got formats {list(self.formats)}, wanted some of {', '.join(FORMATS)}")
@@ -94,19 +106,23 @@ def record(recording: Recording, folder: Path, *, workers: int = 1) -> list[Shot
 
     Args:
         recording: What to record.
-        folder: Where to; made if it is missing. A file of the same name is replaced.
-        workers: Processes to share the stations.
+        folder: Where to; made if it is missing.
+        workers: Processes to share the stations, at least 1.
 
     Raises:
         ScanError: If the folder cannot be written; what was written whole stays, and truth.json comes last.
-        ConfigError: If the rig leaves an elevation or distance open that cannot be filled.
+        ConfigError: If the folder holds a recording already, or there is no worker.
     """
+    if workers < 1:
+        raise ConfigError(f"got {workers} workers, wanted at least 1")
+    if (folder / "truth.json").exists() or any(folder.glob("view[0-9]*_*")):
+        raise ConfigError(f"{folder}: holds a recording already; name another folder, or empty this one")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ScanError(f"{folder}: cannot be made ({error.strerror}); name a folder that can be written") from error
     stations = range(len(recording.rig.stations))
-    if workers <= 1:
+    if workers == 1:
         caster = SceneCaster(recording.scene)
         shots = [shot for station in stations for shot in _record_station(recording, folder, station, caster)]
     else:
@@ -160,7 +176,7 @@ def single_threads() -> Iterator[None]:
 
 def station_poses(recording: Recording, station: int, number: int) -> tuple[Poses, np.random.Generator]:
     """Return the rig's (v, 4, 4) poses for one capture of one station, and the generator for its scan."""
-    rng = np.random.default_rng([recording.seed, station, number])
+    rng = np.random.default_rng([recording.seed, 1, station, number])
     jitter = None if recording.perfect else rng
     cameras = poses(recording.rig, recording.target, elevation=recording.elevation, distance=recording.distance, rng=jitter)
     return cameras, rng
@@ -175,11 +191,22 @@ def _record_station(recording: Recording, folder: Path, station: int, caster: Sc
     for number in range(recording.captures):
         cameras, rng = station_poses(recording, station, number)
         name = f"view{station:02d}_{number:03d}"
-        reason = refusals(recording.rig, cameras, recording.target)[station]
+        reason = refusals(recording.rig, cameras, recording.target)[station] or _blocked(recording.scene, cameras[station, :3, 3])
         if reason is None:
             reason = _shoot(recording, folder / name, caster, cameras[station], rng)
         shots.append(Shot(station, number, None if reason else name, cameras[station].tolist(), reason))
     return shots
+
+
+def _blocked(scene: Scene, eye: Vector3) -> str | None:
+    """Return why no camera can be at a point of the world: within a box, or behind a plane, through which it would see."""
+    if any(plane.height(eye) <= 0 for plane in scene.planes):
+        return "behind a wall"
+    for box in scene.boxes:
+        local = transform(inverse(box.box_to_camera), eye) - [0.0, 0.0, box.extents[2] / 2]
+        if np.all(np.abs(local) <= box.extents / 2):
+            return "inside a box"
+    return None
 
 
 def _shoot(recording: Recording, path: Path, caster: SceneCaster, camera_to_world: Poses, rng: np.random.Generator) -> str | None:
@@ -190,9 +217,9 @@ def _shoot(recording: Recording, path: Path, caster: SceneCaster, camera_to_worl
             error=recording.error, frames=recording.frames, source=path.name,
         )  # fmt: skip
     except ScanError:
-        return "saw nothing"
+        return f"fewer than {MIN_POINTS} returns"
     for ending in recording.formats:
         # Fine enough to add nothing to the camera's own noise, coarse enough for 16 bits to hold its farthest depth.
-        scale = max(1e-4, recording.sensor.range_max / 65_000)
+        scale = float(np.clip(recording.sensor.range_max / 65_000, 1e-4, 1e-2))
         write_scan(scan, path.with_suffix(f".{ending}"), depth_scale=scale)
     return None
