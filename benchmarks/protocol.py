@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.scans import Scan, read_scan
 from viewgain.scenes import Scene, orbit_pose, standing_box
-from viewgain.simulate import capture
+from viewgain.simulate import Effects, capture
 
 BOXES, POSITIONS = 16, 4
 NOISE_LEVELS = (0.005, 0.010)
 DIMS = (0.1, 0.6)
 RANGE_CUT = 2.2
+EFFECTS = Effects.only("noise", "jitter", "mixing", "loss")
+"""What boxbench has of the simulator's effects; its flying pixels are drawn, ours come from mixing."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ def generated(seed: int = 0) -> Iterator[Sample]:
                     np.deg2rad(rng.uniform(-4, 4)),
                 )
                 sensor = camera_of(name, noise, intrinsics)
-                scan = capture(Scene((box,)), pose, sensor, rng=rng, source=f"b{number:02d}_p{position}_s{1e4 * noise:03.0f}")
+                name_of_scan = f"b{number:02d}_p{position}_s{1e4 * noise:03.0f}"
+                scan = capture(Scene((box,)), pose, sensor, rng=rng, effects=EFFECTS, source=name_of_scan)
                 corners = box.in_frame(np.linalg.inv(pose)).corners()
                 u, v = intrinsics.project(corners).T
                 cut = bool(np.any((u < 0) | (v < 0) | (u > intrinsics.width - 1) | (v > intrinsics.height - 1)))

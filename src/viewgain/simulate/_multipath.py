@@ -99,7 +99,9 @@ def bounced(receivers: _Patches, few: _Patches, many: _Patches, wavelength: floa
         emitters = many if len(on) < MANY / 2 else few
         if _flat(receivers, on):
             over = _heights(emitters.points, receivers, on[0])
-            emitters, over = emitters.take(np.flatnonzero(over > _LEAST_HEIGHT)), over[over > _LEAST_HEIGHT, None]
+            # What faces the same way as a plane, like the top of a box and its floor, never faces the plane.
+            facing = np.flatnonzero((over > _LEAST_HEIGHT) & (emitters.normals @ receivers.normals[on[0]] < 1 - 1e-9))
+            emitters, over = emitters.take(facing), over[facing, None]
         else:
             over = _over(emitters.points, receivers.take(on))
         ratio[on] = _bounced_between(emitters, receivers.take(on), over, wavelength)
@@ -186,7 +188,8 @@ def _interpolated(values: Array, receivers: _Patches, patch: Ids, sensor: Sensor
     at = receivers.rows // stride + 1, receivers.columns // stride + 1
     grid[:, at[0], at[1]] = *values, receivers.patch + 2
     touching = np.zeros((int(patch.max(initial=-1)) + 2, rows + 2, columns + 2), dtype=bool)
-    touching[:, at[0], at[1]] = _touching(receivers, len(touching), stride / camera.fx)
+    lit = np.unique(receivers.patch[values[0] > 0])
+    touching[:, at[0], at[1]] = _touching(receivers, lit, len(touching), stride / camera.fx)
     # A cell between four grid points is a block of stride x stride pixels: four blown-up copies of the grid hold all corners.
     first = stride - stride // 2
     window = slice(None), slice(first, first + camera.height), slice(first, first + camera.width)
@@ -194,7 +197,7 @@ def _interpolated(values: Array, receivers: _Patches, patch: Ids, sensor: Sensor
     cell = [(np.arange(size) + first) // stride for size in mine.shape]
     share = np.arange(stride, dtype=np.float32) / stride
     down, right = np.tile(share, rows + 1)[window[1], None], np.tile(share, columns + 1)[window[2]]
-    total, weights = np.zeros((2, *mine.shape), dtype=np.float32), np.zeros((2, *mine.shape), dtype=np.float32)
+    total, weights, still = (np.zeros((*lead, *mine.shape), dtype=np.float32) for lead in ((2,), (), ()))
     for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
         corner = grid[:, i : i + rows + 1, j : j + columns + 1].repeat(stride, axis=2).repeat(stride, axis=1)[window]
         bilinear = (down if i else 1 - down) * (right if j else 1 - right)
@@ -203,25 +206,28 @@ def _interpolated(values: Array, receivers: _Patches, patch: Ids, sensor: Sensor
         weights += weight
         beside = np.flatnonzero(corner[2] != mine)
         row, column = cell[0][beside // camera.width] + i, cell[1][beside % camera.width] + j
-        weights[0].ravel()[beside] += bilinear.ravel()[beside] * touching[patch[beside], row, column]
-    total /= np.maximum(weights, 1e-6)
+        still.ravel()[beside] += bilinear.ravel()[beside] * touching[patch[beside], row, column]
+    total[0] /= np.maximum(weights + still, 1e-6)
+    total[1] /= np.maximum(weights, 1e-6)
     out = total.reshape(2, -1).astype(float)
     count = np.maximum(np.bincount(receivers.patch, minlength=int(patch.max(initial=0)) + 1), 1)
-    for which, (value, weight) in enumerate(zip(values, weights, strict=True)):
+    for which, (value, weight) in enumerate(zip(values, (weights + still, weights), strict=True)):
         alone = np.flatnonzero((weight.ravel() == 0) & (patch >= 0))
         if len(alone):
             out[which, alone] = (np.bincount(receivers.patch, value, len(count)) / count)[patch[alone]]
     return out
 
 
-def _touching(receivers: _Patches, count: int, spacing: float) -> Mask:
+def _touching(receivers: _Patches, lit: Ids, count: int, spacing: float) -> Mask:
     """Return the (count, r) mask of receivers that lie just in front of a flat patch: on what it stands on or touches.
+
+    Asked for the patches in ``lit`` only; the rows of the others are empty.
 
     Just in front is within three times the grid's spacing (an angle, from the camera) at the receiver's range and slope.
     """
     near = 3 * spacing * receivers.ranges / np.maximum(receivers.cosine, _LEAST_COSINE)
     out = np.zeros((count, len(receivers.ranges)), dtype=bool)
-    for patch in np.unique(receivers.patch):
+    for patch in lit:
         on = np.flatnonzero(receivers.patch == patch)
         if _flat(receivers, on):
             height = _heights(receivers.points, receivers, on[0])
