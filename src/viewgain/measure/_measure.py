@@ -80,11 +80,15 @@ def _explained(attempt: Measurement) -> tuple[int, bool]:
     return sum(box.quality.returns for box in attempt.boxes if not any(box.is_open)), bool(attempt.boxes)
 
 
+UNKNOWN_JITTER = 0.3
+"""Where a pixel of a camera that nobody named may really look, pixels: its slopes are taken for noisier (assumed)."""
+
+
 def sensor_of(camera: str | Sensor | None) -> Sensor:
     """Return the sensor that a name, a sensor or nothing stands for."""
     if isinstance(camera, Sensor):
         return camera
-    return sensor("pico_flexx" if camera is None else camera)
+    return replace(sensor("pico_flexx"), jitter_px=UNKNOWN_JITTER) if camera is None else sensor(camera)
 
 
 def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bool) -> Measurement:
