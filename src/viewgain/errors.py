@@ -22,3 +22,14 @@ class MissingExtraError(ViewgainError, ImportError):
 
 class MeshError(ViewgainError, ValueError):
     """A mesh cannot be read or used: missing, empty, without area, with numbers that are not finite, or too large."""
+
+
+def one_line(error: BaseException) -> str:
+    """Return the first line of an exception's text, at most 120 characters; its type where it has none."""
+    lines = str(error).strip().splitlines()
+    return (lines[0] if lines else type(error).__name__)[:120]
+
+
+def printable(text: str) -> str:
+    """Return ``text`` with a question mark for every line break and other sign that does not print."""
+    return "".join(sign if sign.isprintable() else "?" for sign in text)

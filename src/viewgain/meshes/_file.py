@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from viewgain.errors import MeshError
+from viewgain.errors import one_line as one_line
+from viewgain.errors import printable as printable
 
 PathLike: TypeAlias = str | os.PathLike[str]
 
@@ -16,17 +18,6 @@ LARGEST_TEXT = 250_000_000
 
 MAX_FACES = 10_000_000
 """Triangles that are read unless told otherwise; docs/meshes.md has the time and memory that this takes."""
-
-
-def one_line(error: BaseException) -> str:
-    """Return the first line of an exception's text, at most 120 characters; its type where it has none."""
-    lines = str(error).strip().splitlines()
-    return (lines[0] if lines else type(error).__name__)[:120]
-
-
-def printable(text: str) -> str:
-    """Return ``text`` with a question mark for every line break and other sign that does not print."""
-    return "".join(sign if sign.isprintable() else "?" for sign in text)
 
 
 def load_bytes(path: Path) -> bytes:

@@ -10,6 +10,8 @@ import numpy as np
 from viewgain.arrays import Array, Image, Points, Pose
 from viewgain.camera import Intrinsics
 from viewgain.errors import ScanError
+from viewgain.errors import one_line as one_line
+from viewgain.errors import printable as printable
 
 PathLike: TypeAlias = str | os.PathLike[str]
 
@@ -44,17 +46,6 @@ class RawScan:
     """Whether the translation of the pose is in the units of the points (else metres)."""
     notes: tuple[str, ...] = ()
     """Decisions of the reader."""
-
-
-def one_line(error: BaseException) -> str:
-    """Return the first line of an exception's text, at most 120 characters; its type where it has none."""
-    lines = str(error).strip().splitlines()
-    return (lines[0] if lines else type(error).__name__)[:120]
-
-
-def printable(text: str) -> str:
-    """Return ``text`` with a question mark for every line break and other sign that does not print."""
-    return "".join(sign if sign.isprintable() else "?" for sign in text)
 
 
 def load_bytes(path: Path) -> bytes:
