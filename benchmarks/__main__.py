@@ -25,6 +25,7 @@ def main() -> None:
     parser.add_argument(
         "--workers", type=int, default=2, help="processes for closed-loop, calibration and simulation (default 2)"
     )
+    parser.add_argument("--cameras", nargs="*", help="calibration: presets (default all)")
     parser.add_argument(
         "--captures", type=int, default=50, help="simulation: scans per position of the paper's set, of 1000 (default 50)"
     )

@@ -14,6 +14,18 @@ from viewgain.box._box import FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
 SLIVER = 0.02
 """A face seen under a smaller sine than this (1.1 degrees) is under a pixel wide: rays are taken past it to the next face."""
 
+_ACROSS = tuple(tuple(int(k) for k in np.flatnonzero(normal == 0)) for normal in PLANE_NORMALS)
+"""The two axes of the box that each plane contains."""
+_BASES = np.array([
+    [
+        np.concatenate([np.cross(np.eye(3)[across[0]], normal), np.zeros(6)]),
+        np.concatenate([np.cross(np.eye(3)[across[1]], normal), np.zeros(6)]),
+        np.concatenate([np.zeros(3), normal, extents]),
+    ]
+    for across, normal, extents in zip(_ACROSS, PLANE_NORMALS, PLANE_EXTENTS, strict=True)
+])  # fmt: skip
+"""(6, 3, 9) how the range on each plane follows a step of the box, per unit of its two coordinates there and by itself."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hits:
@@ -96,6 +108,26 @@ def range_jacobian(box: Box, directions: Points, hits: Hits) -> Array:
     jacobian[:, 3:6] = normals
     jacobian[:, 6:] = PLANE_EXTENTS[hits.planes]
     return np.asarray(jacobian / -np.maximum(hits.cosine, 1e-6)[:, None])
+
+
+def range_jacobian_factors(box: Box, directions: Points, hits: Hits) -> list[tuple[Indices, Array, Array]]:
+    """Return :func:`range_jacobian` in factors, plane by plane: which rays meet it, (3, m) and (3, 9), whose product it is.
+
+    On a plane with normal along axis k of the box only the two other coordinates of the point vary, so the rows span three
+    dimensions.
+    """
+    origin, along = _in_box_frame(box, directions)
+    scale = -1 / np.maximum(hits.cosine, 1e-6)
+    far = hits.ranges * scale
+    factors = []
+    for plane in np.flatnonzero(np.bincount(hits.planes)):
+        mine = np.flatnonzero(hits.planes == plane)
+        local = np.empty((3, len(mine)))
+        for row, k in enumerate(_ACROSS[plane]):
+            local[row] = origin[k] * scale[mine] + along[k, mine] * far[mine]
+        local[2] = scale[mine]
+        factors.append((mine, local, _BASES[plane]))
+    return factors
 
 
 def _in_box_frame(box: Box, directions: Points) -> tuple[Array, Array]:

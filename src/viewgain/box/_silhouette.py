@@ -9,7 +9,6 @@ import numpy as np
 
 from viewgain.arrays import Array, Indices, Points2
 from viewgain.box._box import CORNERS, FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
-from viewgain.geometry import cross_matrix
 
 NEAR = 0.02
 """Corners nearer than this to the image plane through the camera are held at it, metres."""
@@ -60,22 +59,37 @@ def edge_distances(shape: Outline, points: Points2) -> EdgeDistances:
     length = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
     tangent = side / length[:, None]
     inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-    signed = points @ inward.T - np.sum(start * inward, axis=1)
-    edge = np.argmin(signed, axis=1)
-    along = np.sum((points - start[edge]) * tangent[edge], axis=1) / length[edge]
-    return EdgeDistances(signed[np.arange(len(points)), edge], edge, np.clip(along, 0.0, 1.0))
+    offset, origin = np.sum(start * inward, axis=1), np.sum(start * tangent, axis=1)
+    x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    # Edge by edge on columns: an argmin over an (n, k) array takes several times as long.
+    distance, edge = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.intp)
+    for k in range(len(start)):
+        signed = inward[k, 0] * x + inward[k, 1] * y - offset[k]
+        np.copyto(edge, k, where=signed < distance)
+        np.minimum(distance, signed, out=distance)
+    along = (tangent[edge, 0] * x + tangent[edge, 1] * y - origin[edge]) / length[edge]
+    return EdgeDistances(distance, edge, np.clip(along, 0.0, 1.0))
 
 
 def edge_jacobian(box: Box, shape: Outline, distances: EdgeDistances) -> Array:
     """Return the (n, 9) derivative of each signed distance with respect to a step of the box (:meth:`Box.moved`)."""
+    at_start, at_end = edge_end_jacobians(box, shape)
+    share = distances.along[:, None]
+    return np.asarray((1 - share) * at_start[distances.edge] + share * at_end[distances.edge])
+
+
+def edge_end_jacobians(box: Box, shape: Outline) -> tuple[Array, Array]:
+    """Return the derivatives (k, 9) of distances to each edge with the foot point at its start, and at its end.
+
+    In between they are mixed linearly: an edge moves with the two corners that carry it.
+    """
     corner_steps = _corner_jacobian(box)[shape.corners]
     side = np.roll(shape.vertices, -1, axis=0) - shape.vertices
     tangent = side / np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None]
     inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-    at_start = np.einsum("ki,kij->kj", inward, corner_steps)
-    at_end = np.einsum("ki,kij->kj", inward, np.roll(corner_steps, -1, axis=0))
-    share = distances.along[:, None]
-    return np.asarray(-((1 - share) * at_start[distances.edge] + share * at_end[distances.edge]))
+    at_start = -(inward[:, None] @ corner_steps)[:, 0]
+    at_end = -(inward[:, None] @ np.roll(corner_steps, -1, axis=0))[:, 0]
+    return np.asarray(at_start), np.asarray(at_end)
 
 
 def edge_cosines(box: Box, shape: Outline) -> Array:
@@ -102,12 +116,13 @@ def _project(points: Array) -> Array:
 def _corner_jacobian(box: Box) -> Array:
     """Return the (8, 2, 9) derivative of the projected corners with respect to a step of the box."""
     rotation = box.box_to_camera[:3, :3]
-    local = CORNERS * box.extents
-    steps = np.zeros((8, 3, 9))
-    for k in range(8):
-        steps[k, :, :3] = -rotation @ cross_matrix(local[k])
-        steps[k, :, 3:6] = rotation
-        steps[k, :, 6:] = rotation * CORNERS[k]
+    x, y, z = (CORNERS * box.extents).T
+    nothing = np.zeros(8)
+    turned = np.array([[nothing, z, -y], [-z, nothing, x], [y, -x, nothing]])  # minus the cross product with a corner
+    steps = np.empty((8, 3, 9))
+    steps[:, :, :3] = rotation @ np.moveaxis(turned, 2, 0)
+    steps[:, :, 3:6] = rotation
+    steps[:, :, 6:] = rotation * CORNERS[:, None, :]
     camera = box.corners()
     depth = np.maximum(camera[:, 2], NEAR)
     projection = np.zeros((8, 2, 3))

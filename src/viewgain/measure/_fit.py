@@ -9,16 +9,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from viewgain.arrays import Array, Pose
-from viewgain.box import PARAMETERS, Box
+from viewgain.box import PARAMETERS, PLANE_NORMALS, Box
 from viewgain.camera import Sensor
 from viewgain.measure._likelihood import Evaluation, evaluate, log_likelihood
 from viewgain.measure._mixture import Pixels, Softness
 
-COARSE = (Softness(4.0, 0.02), Softness(2.0, 0.01))
-FINE = (Softness(1.0, 0.003), Softness(0.5))
+COARSE = (Softness(4.0, 0.02, 1.0), Softness(2.0, 0.01, 1.0))
+FINE = (Softness(1.0, 0.003, 0.3), Softness(0.5))
 SHARP = FINE[-1:]
 _MAX_STEP = np.array([0.15, 0.15, 0.15, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
 _MIN_EXTENT = 0.01
+_PINNING = 200.0
+"""A face with this many range readings does not slide: its place comes from them and not from the outline."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,14 +95,16 @@ def refine(box: Box, views: tuple[View, ...], schedule: tuple[Softness, ...], st
             fit = _evaluated(fit.box, fit.corrections, views, softness)
         damping = 1e-3
         for _ in range(steps):
-            step = _step(fit, damping)
+            step, promised = _step(fit, damping)
+            if promised < softness.settled:
+                break
             trial = _evaluated(
                 fit.box.moved(step[:PARAMETERS]), fit.corrections + step[PARAMETERS:].reshape(-1, 6), views, softness
             )
             if trial.value > fit.value:
                 gain = trial.value - fit.value
                 fit, damping = trial, max(damping / 5, 1e-6)
-                if gain < 0.02:
+                if gain < softness.settled:
                     break
             else:
                 damping *= 10
@@ -113,16 +117,22 @@ def polled(fit: Fit, softness: Softness, reach: float) -> Box:
     """Return the likeliest of the fitted box and the boxes with one side face moved in or out by ``reach`` metres.
 
     Which pixels hit is a step function underneath, so the likelihood has side peaks a few pixels from an edge; a fit that
-    stopped on one is taken off it here, to be refined again.
+    stopped on one is taken off it here, to be refined again. Faces with many range readings stay where those put them.
     """
     boxes = [fit.box]
-    for axis in (0, 1):
-        for side in (-0.5, 0.5):
-            for distance in (-reach, reach):
-                step = np.zeros(PARAMETERS)
-                step[3 + axis], step[6 + axis] = side * distance, distance
-                boxes.append(fit.box.moved(step))
+    for axis, side in _unpinned(fit):
+        for distance in (-reach, reach):
+            step = np.zeros(PARAMETERS)
+            step[3 + axis], step[6 + axis] = side * distance, distance
+            boxes.append(fit.box.moved(step))
     return max((box for box in boxes if np.all(box.extents >= _MIN_EXTENT)), key=lambda box: value_at(box, fit, softness))
+
+
+def _unpinned(fit: Fit) -> list[tuple[int, float]]:
+    """Return axis and end (-0.5 or 0.5) of the side faces that too few ranges hold in place."""
+    readings = sum((evaluation.readings for evaluation in fit.evaluations), np.zeros(len(PLANE_NORMALS)))
+    ends = ((0, 0.5), (0, -0.5), (1, 0.5), (1, -0.5))  # in the order of the faces
+    return [end for end, count in zip(ends, readings, strict=False) if count < _PINNING]
 
 
 def value_at(box: Box, fit: Fit, softness: Softness) -> float:
@@ -159,8 +169,8 @@ def _evaluated(box: Box, corrections: Array, views: tuple[View, ...], softness: 
     return Fit(box, views, evaluations, corrections, value)
 
 
-def _step(fit: Fit, damping: float) -> Array:
-    """Return the damped step of the box (9) and of every view's pose correction (6 each)."""
+def _step(fit: Fit, damping: float) -> tuple[Array, float]:
+    """Return the damped step of the box (9) and of every view's pose correction (6 each), and the gain it promises."""
     size = PARAMETERS + 6 * len(fit.views)
     gradient, information = np.zeros(size), np.zeros((size, size))
     own = slice(0, PARAMETERS)
@@ -180,4 +190,4 @@ def _step(fit: Fit, damping: float) -> Array:
     step = np.linalg.solve(information + damping * np.diag(np.diag(information) + 1.0), gradient)
     step *= min(1.0, float(np.min(_MAX_STEP / np.maximum(np.abs(step[own]), 1e-12))))
     step[6:PARAMETERS] = np.maximum(step[6:PARAMETERS], _MIN_EXTENT - fit.box.extents)
-    return np.asarray(step)
+    return np.asarray(step), 0.5 * float(gradient @ step)

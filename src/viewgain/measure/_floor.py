@@ -9,8 +9,9 @@ from viewgain.camera import Sensor
 from viewgain.geometry import Plane, fit_plane
 from viewgain.measure._range_image import RangeImage
 
-_HYPOTHESES = 300
-_SAMPLE = 2000
+_HYPOTHESES = 200
+_SAMPLE = 1000
+_REFINING = 4000
 _NORMAL_GATE = np.cos(np.deg2rad(15.0))
 _MAX_BELOW = 0.05
 _MIN_SUPPORT = 0.05
@@ -105,10 +106,12 @@ def _block_means(points: Array, side: int) -> Array:
 
 
 def _refined(image: RangeImage, plane: Plane, sensor: Sensor) -> Floor:
-    points = image.points[image.valid]
-    points = points[:: max(1, len(points) // 8000)]
+    at = np.flatnonzero(image.valid)
+    at = at[:: max(1, len(at) // _REFINING)]
+    ranges = image.ranges.ravel()[at]
+    points = image.directions.reshape(-1, 3)[at] * ranges[:, None]
     for tolerance in (0.03, 0.015, 0.01):
-        near = points[np.abs(plane.height(points)) < tolerance * (0.5 + np.linalg.norm(points, axis=1))]
+        near = points[np.abs(plane.height(points)) < tolerance * (0.5 + ranges)]
         if len(near) < 50:
             break
         plane = fit_plane(near)

@@ -1,7 +1,10 @@
-"""The likelihood of a range image given a box on a floor, with its gradient and curvature.
+"""How likely is what a camera saw, given a box? Value, gradient and information of the mixture of :mod:`._mixture`.
 
 Edges are located by which pixels hit and which miss, along their whole length, and faces by all their points, in one smooth
 function (ours). Far from the outline it is weighted least squares.
+
+The rows of the Jacobian are never written out: on one plane, and along one edge, they span three and two dimensions, so sums over
+pixels are taken there and carried to the nine parameters once per plane and edge.
 """
 
 from dataclasses import dataclass
@@ -10,12 +13,10 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from viewgain.arrays import Array, Indices
-from viewgain.box import PARAMETERS, Box, Hits, edge_cosines, edge_jacobian, range_jacobian
+from viewgain.box import PARAMETERS, PLANE_NORMALS, Box, Hits, edge_cosines, edge_end_jacobians, range_jacobian_factors
 from viewgain.camera import Sensor
 from viewgain.measure._mixture import FLYING_REACH, Mixture, Pixels, Softness, Surface, mix
 
-_EDGE_REACH = 8.0
-"""Beyond this many blurs from the outline a pixel says nothing about it (its slope is under 1e-14)."""
 _NEGLIGIBLE = 1e-3
 _HALF_LOG_TWO_PI = 0.9189385332046727
 
@@ -30,34 +31,62 @@ class Evaluation:
     """(9,) its derivative with respect to a step of the box (Box.moved)."""
     information: Array
     """(9, 9) its negative curvature (positive semi-definite approximation)."""
-    inside: Array
-    """(n,) signed distance to the outline, pixels, positive inside."""
-    residual: Array
-    """(n,) measured minus predicted range over its sigma, for what the pixel more probably saw; NaN for missing returns."""
-    hits: Hits
-    """Where the rays meet the box."""
     systematic: Array
     """(9, 2) gradient caused by a unit relative scale error and by a unit offset (metre) of all ranges."""
     edge_pull: Array
     """(k, 9) gradient caused by each edge of the outline being shown one pixel too far out."""
     edge_precision: Array
     """(k,) information about where each edge of the outline lies, per square pixel."""
-    edge_cosine: Array
-    """(k,) cosine of incidence on the face that each edge bounds."""
+    box: Box
+    """The box, in the frame of the camera that took the pixels."""
+    mixture: Mixture
+    """What each pixel was taken for."""
+
+    @property
+    def readings(self) -> Array:
+        """(6,) how many range readings lie on each plane of the box."""
+        own = self.mixture.box
+        return np.bincount(own.hits.planes, self.mixture.on_box * own.gauss, minlength=len(PLANE_NORMALS))
+
+    @property
+    def edge_cosine(self) -> Array:
+        """(k,) cosine of incidence on the face that each edge bounds."""
+        return edge_cosines(self.box, self.mixture.shape)
+
+    @property
+    def inside(self) -> Array:
+        """(n,) signed distance to the outline, pixels, positive inside."""
+        return self.mixture.inside
+
+    @property
+    def hits(self) -> Hits:
+        """Where the (n,) rays meet the box; NaN, plane 0 and cosine 0 far outside the outline."""
+        own, count = self.mixture.box, len(self.inside)
+        hits = Hits(np.full(count, np.nan), np.zeros(count, dtype=np.intp), np.zeros(count))
+        hits.ranges[own.at], hits.planes[own.at], hits.cosine[own.at] = own.hits.ranges, own.hits.planes, own.hits.cosine
+        return hits
+
+    @property
+    def residual(self) -> Array:
+        """(n,) measured minus predicted range over its sigma, for what the pixel more probably saw; NaN for missing returns."""
+        mixture, band = self.mixture, self.mixture.band
+        residual = np.full(len(self.inside), np.nan)
+        residual[mixture.floor.at], residual[mixture.box.at] = mixture.floor.z, mixture.box.z
+        seen = mixture.on_box[band.in_box] > mixture.on_floor[band.in_floor]
+        residual[band.at] = np.where(seen, mixture.box.z[band.in_box], mixture.floor.z[band.in_floor])
+        return residual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Readings:
-    """Range readings as linear equations: rows of the Jacobian with a weight and a residual each."""
+class _Sums:
+    """Sums over readings or edge pixels, in the nine parameters."""
 
-    rows: Array
-    """(m, 9)."""
-    precision: Array
-    """(m,) responsibility over sigma squared."""
-    slope: Array
-    """(m,) responsibility times residual over sigma squared."""
-    ranges: Array
-    """(m,) measured ranges, metres."""
+    gradient: Array
+    """(9,)."""
+    information: Array
+    """(9, 9)."""
+    systematic: Array
+    """(9, 2) for ranges."""
 
 
 def log_likelihood(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness) -> float:
@@ -78,61 +107,66 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
     mixture = mix(box, pixels, sensor, noise, softness)
     faces = _readings(box, pixels, mixture.box, mixture.on_box, np.inf)
     floor = _readings(box, pixels, mixture.floor, mixture.on_floor, pixels.horizon)
-    gradient, information, systematic = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
-    for readings in (faces, floor):
-        weighted = readings.rows.T * readings.precision
-        gradient += readings.rows.T @ readings.slope
-        information += weighted @ readings.rows
-        systematic += weighted @ np.stack([readings.ranges, np.ones(len(readings.ranges))], axis=1)
 
-    near = np.flatnonzero(np.abs(mixture.inside) < _EDGE_REACH * softness.edge)
-    slope, curvature = _edge_terms(mixture, near, softness.edge)
-    rows = edge_jacobian(box, mixture.shape, mixture.edges.take(near)) / pixels.pitch
-    gradient += rows.T @ slope
-    information += (rows.T * curvature) @ rows
-    corners = np.arange(len(mixture.shape.vertices))
-    by_edge = np.where(mixture.edges.edge[near] == corners[:, None], curvature, 0.0)
-    residual = np.where(mixture.on_box > mixture.on_floor, mixture.box.z, mixture.floor.z)
+    slope, curvature = _edge_terms(mixture, softness.edge)
+    edge, along = mixture.edges.edge[mixture.band.at], mixture.edges.along[mixture.band.at]
+    ends = np.stack(edge_end_jacobians(box, mixture.shape), axis=1) / pixels.pitch  # [edges, 2, 9]
+    share = (1 - along, along)
+    counted = len(ends)
+    first, both, second = (np.bincount(edge, curvature * a * b, counted) for a, b in ((share[0],) * 2, share, (share[1],) * 2))
+    gram = np.stack([first, both, both, second], axis=1).reshape(-1, 2, 2)  # [edges, 2, 2]
+    push = np.stack([np.bincount(edge, slope * a, counted) for a in share], axis=1)  # [edges, 2]
+    carried = gram @ ends  # [edges, 2, 9]
     return Evaluation(
         mixture.value,
-        gradient,
-        information,
-        mixture.inside,
-        residual,
-        mixture.box.hits,
-        systematic,
-        by_edge @ rows,
-        by_edge.sum(axis=1),
-        edge_cosines(box, mixture.shape),
+        faces.gradient + floor.gradient + push.ravel() @ ends.reshape(-1, PARAMETERS),
+        faces.information + floor.information + ends.reshape(-1, PARAMETERS).T @ carried.reshape(-1, PARAMETERS),
+        faces.systematic + floor.systematic,
+        carried.sum(axis=1),
+        gram.sum(axis=(1, 2)),
+        box,
+        mixture,
     )
 
 
-def _readings(box: Box, pixels: Pixels, surface: Surface, probability: Array, horizon: float) -> _Readings:
-    """Return the range readings on one surface.
+def _readings(box: Box, pixels: Pixels, surface: Surface, probability: Array, horizon: float) -> _Sums:
+    """Return the evidence of the range readings on one surface, plane by plane.
 
     Readings near the ``horizon`` are left out: beyond it nothing comes back, so of those just before it only the short ones
     do, and they would tilt the floor.
     """
     responsibility = probability * surface.gauss
     used = np.flatnonzero((responsibility > _NEGLIGIBLE) & (surface.hits.ranges < horizon - 4 * surface.sigma))
-    precision = responsibility[used] / surface.sigma[used] ** 2
-    slope = precision * surface.z[used] * surface.sigma[used]
-    return _Readings(range_jacobian(box, pixels.directions[used], surface.hits.take(used)), precision, slope, pixels.ranges[used])
+    at, hits = surface.at[used], surface.hits.take(used)
+    directions, ranges = pixels.directions[at], pixels.ranges[at]
+    sigma = surface.sigma[used]
+    precision = responsibility[used] / sigma**2
+    gradient, information, systematic = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
+    response = np.empty((len(used), 3))
+    response[:, 0], response[:, 1], response[:, 2] = surface.z[used] * sigma, ranges, 1.0
+    for mine, local, basis in range_jacobian_factors(box, directions, hits):
+        weighted = local * precision[mine]
+        pushed = basis.T @ (weighted @ response[mine])
+        gradient += pushed[:, 0]
+        systematic += pushed[:, 1:]
+        information += basis.T @ (weighted @ local.T) @ basis
+    return _Sums(gradient, information, systematic)
 
 
-def _edge_terms(mixture: Mixture, near: Indices, blur: float) -> tuple[Array, Array]:
-    """Return slope and curvature of the log likelihood with respect to the distances of the pixels ``near`` the outline.
+def _edge_terms(mixture: Mixture, blur: float) -> tuple[Array, Array]:
+    """Return slope and curvature (k,) of the log likelihood with respect to the distances of the pixels near the outline.
 
     Curvature is the complete-data curvature less the missing information (Louis 1982): a pixel that cannot tell box from floor
     does not locate the edge.
     """
-    x, on_box, on_floor = mixture.inside[near] / blur, mixture.on_box[near], mixture.on_floor[near]
+    band = mixture.band
+    inside, on_box, on_floor = mixture.inside[band.at], mixture.on_box[band.in_box], mixture.on_floor[band.in_floor]
+    x = inside / blur
     log_phi = -0.5 * x * x - _HALF_LOG_TWO_PI
     hit, missed = np.exp(log_phi - log_ndtr(x)) / blur, np.exp(log_phi - log_ndtr(-x)) / blur
     slope = on_box * hit - on_floor * missed
     complete = on_box * hit * (hit + x / blur) + on_floor * missed * (missed - x / blur)
     missing = on_box * on_floor / np.maximum(on_box + on_floor, 1e-300) * (hit + missed) ** 2
     # A mixed pixel sits on the outline: its chance falls off as exp(-(s / reach)^4 / 2).
-    mixed, inside = mixture.on_both[near], mixture.inside[near]
-    slope += (mixture.could_mix[near] - mixed) * 2 * inside**3 / FLYING_REACH**4
-    return slope, np.maximum(complete - missing, 0.0) + mixed * 6 * inside**2 / FLYING_REACH**4
+    slope += (band.could_mix - band.on_both) * 2 * inside**3 / FLYING_REACH**4
+    return slope, np.maximum(complete - missing, 0.0) + band.on_both * 6 * inside**2 / FLYING_REACH**4

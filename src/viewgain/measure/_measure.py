@@ -29,7 +29,7 @@ MIN_SHARE = 0.005
 MIN_SHARE_CUT_OPEN = 0.02
 """The same for a box that is both: legs and furniture at the border of the image look like that."""
 _COARSE_PIXELS = 1200
-_FINE_PIXELS = 2000
+_FINE_PIXELS = 1600
 _FINAL_PIXELS = 12000
 _POLL_PX = 3.0
 
@@ -134,7 +134,7 @@ def _fit(
     pixels = pixels_around(image, own, other)
     guesses = [start] if start is not None else hypotheses(image.points[own], floor)
     coarse = View(thinned(pixels, _COARSE_PIXELS), model, floor.noise)
-    blurred = max((refine(guess, (coarse,), COARSE[:1], 6) for guess in guesses), key=lambda fit: fit.value)
+    blurred = max((refine(guess, (coarse,), COARSE[:1], 2) for guess in guesses), key=lambda fit: fit.value)
     rough = refine(blurred.box, (coarse,), COARSE, 6)
     view = View(edges_kept(pixels, rough.box, _FINE_PIXELS), model, noise_of(rough, noise_known=noise_known))
     fit = refine(rough.box, (view,), FINE, 6)

@@ -3,10 +3,11 @@
 A pixel's ray sees the box with probability Phi(s / w), where s is its signed distance to the box's outline in pixels and w the
 blur, and the floor (or clutter) otherwise. Each has a density for the range that comes back and a chance that none does; on the
 outline itself a pixel may also mix the two. Where floor and face have the same range the mixture cannot tell them apart, so the
-contact line says nothing about the outline, by itself (ours).
+contact line says nothing about the outline, by itself (ours). Beyond six blurs of the outline only one of the two is possible, and
+only that one is worked out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtr
@@ -33,6 +34,12 @@ LOST_BEYOND = 0.9
 """Chance that the floor brings nothing back from beyond the farthest return of the scan."""
 HORIZON_BLUR = 0.03
 """How gradually that sets in, as a share of the farthest range."""
+LEAST_DENSITY = 1e-12
+"""No reading is held for less likely than this, per metre."""
+BAND = 6.0
+"""Beyond this many blurs from the outline a pixel saw one thing only (the chance of the other is 1e-9)."""
+_MIXED_BAND = 3.0
+"""The same for mixed pixels, pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,22 +83,42 @@ class Softness:
     """Blur of the outline, pixels."""
     extra_sigma: float = 0.0
     """Added to the range noise, metres."""
+    settled: float = 0.02
+    """A gain in log likelihood under this ends the climb at this softness."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
     """One of the two things a pixel may have seen: where its ray meets it, and how well the range agrees."""
 
+    at: Indices
+    """(m,) the pixels that may have seen it, ascending."""
     hits: Hits
-    """Where the rays meet the surface."""
+    """Where their rays meet the surface."""
     sigma: Array
-    """(n,) standard deviation of the range, metres."""
+    """(m,) standard deviation of the range, metres."""
     z: Array
-    """(n,) measured minus predicted range over sigma; NaN for a missing return."""
+    """(m,) measured minus predicted range over sigma; NaN for a missing return."""
     gauss: Array
-    """(n,) share of the density below that the surface itself explains (not strays)."""
+    """(m,) share of the density below that the surface itself explains (not strays)."""
     density: Array
-    """(n,) density of what the pixel reported, a range or nothing, had it seen this surface."""
+    """(m,) density of what the pixel reported, a range or nothing, had it seen this surface."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Band:
+    """The pixels near the outline, which may have seen either surface or both."""
+
+    at: Indices
+    """(k,) which pixels, ascending."""
+    in_box: Indices
+    """(k,) where they stand among the pixels of the box's surface."""
+    in_floor: Indices
+    """(k,) where they stand among the pixels of the floor's surface."""
+    on_both: Array
+    """(k,) probability that the pixel mixed the two."""
+    could_mix: Array
+    """(k,) what that probability would be had it reported what an unmixed pixel does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,14 +135,12 @@ class Mixture:
     """Each pixel's place relative to it."""
     inside: Array
     """(n,) signed distance to the outline, pixels, positive inside."""
+    band: Band
+    """The pixels near it."""
     on_box: Array
-    """(n,) probability that the pixel saw the box."""
+    """(m,) probability that each pixel of ``box.at`` saw the box."""
     on_floor: Array
-    """(n,) probability that it saw what lies beside."""
-    on_both: Array
-    """(n,) probability that it mixed the two."""
-    could_mix: Array
-    """(n,) what that probability would be had it reported what an unmixed pixel does."""
+    """(m,) probability that each pixel of ``floor.at`` saw what lies beside."""
     value: float
     """Log likelihood of all pixels, up to a constant."""
 
@@ -133,64 +158,81 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     shape = outline(box)
     edges = edge_distances(shape, pixels.image)
     inside = edges.distance / pixels.pitch
-    faces, ground = box_hits(box, pixels.directions), floor_hits(box, pixels.directions)
-    beyond = ndtr((np.minimum(ground.ranges, 1e3) / pixels.horizon - 1) / HORIZON_BLUR)
-    lost_near = LOST_NEAR[0] + LOST_NEAR[1] * sensor.loss(faces.cosine)
-    lost_floor = LOST_FAR[0] + LOST_FAR[1] * sensor.loss(ground.cosine)
-    lost_far = lost_floor + beyond * np.maximum(LOST_BEYOND - lost_floor, 0.0)
-    near = _surface(pixels, faces, sensor, noise, softness, lost_near, STRAY)
-    far = _surface(pixels, ground, sensor, noise, softness, lost_far, CLUTTER)
-    near, far = _with_other_objects(pixels, near, far)
+    reach = max(BAND * softness.edge, _MIXED_BAND)
+    near, far = np.flatnonzero(inside > -reach), np.flatnonzero(inside < reach)
+    faces, ground = _faces(box, pixels, near, sensor, noise, softness), _ground(box, pixels, far, sensor, noise, softness)
+    in_box, in_floor = np.flatnonzero(inside[near] < reach), np.flatnonzero(inside[far] > -reach)
+    at = near[in_box]
+    if pixels.other.any():
+        faces, ground = _with_other_objects(pixels, faces, ground)
 
-    seen, unseen = ndtr(inside / softness.edge), ndtr(-inside / softness.edge)
-    mixing = FLYING * np.exp(-0.5 * (inside / FLYING_REACH) ** 4)
-    pure = seen * near.density + unseen * far.density
-    mixed = _mixed_density(pixels, near, far)
-    total = np.maximum((1 - mixing) * pure + mixing * mixed, 1e-12)
-    share = (1 - mixing) / total
-    on_box, on_floor = share * seen * near.density, share * unseen * far.density
-    return Mixture(
-        near,
-        far,
-        shape,
-        edges,
-        inside,
-        on_box,
-        on_floor,
-        mixing * mixed / total,
-        mixing * pure / total,
-        float(np.sum(np.log(total))),
-    )
+    s, box_density, floor_density = inside[at], faces.density[in_box], ground.density[in_floor]
+    seen, unseen = ndtr(s / softness.edge), ndtr(-s / softness.edge)
+    mixing = FLYING * np.exp(-0.5 * (s / FLYING_REACH) ** 4)
+    pure = seen * box_density + unseen * floor_density
+    mixed = _mixed_density(pixels.ranges[at], faces, in_box, ground.hits.ranges[in_floor])
+    density = np.maximum((1 - mixing) * pure + mixing * mixed, LEAST_DENSITY)
+    share = (1 - mixing) / density
+    on_box, on_floor = np.ones(len(near)), np.ones(len(far))
+    on_box[in_box], on_floor[in_floor] = share * seen * box_density, share * unseen * floor_density
+
+    total = np.empty(len(inside))
+    total[far], total[near] = np.maximum(ground.density, LEAST_DENSITY), np.maximum(faces.density, LEAST_DENSITY)
+    total[at] = density
+    band = Band(at, in_box, in_floor, mixing * mixed / density, mixing * pure / density)
+    return Mixture(faces, ground, shape, edges, inside, band, on_box, on_floor, float(np.sum(np.log(total))))
 
 
-def _surface(pixels: Pixels, hits: Hits, sensor: Sensor, noise: float, softness: Softness, lost: Array, stray: float) -> Surface:
+def _faces(box: Box, pixels: Pixels, at: Indices, sensor: Sensor, noise: float, softness: Softness) -> Surface:
+    """Return the box's faces as the pixels ``at`` may have seen them."""
+    hits = box_hits(box, pixels.directions[at])
+    return _surface(pixels, at, hits, sensor, noise, softness, LOST_NEAR[0] + LOST_NEAR[1] * sensor.loss(hits.cosine), STRAY)
+
+
+def _ground(box: Box, pixels: Pixels, at: Indices, sensor: Sensor, noise: float, softness: Softness) -> Surface:
+    """Return the floor as the pixels ``at`` may have seen it."""
+    hits = floor_hits(box, pixels.directions[at])
+    beyond = ndtr((np.minimum(hits.ranges, 1e3) / pixels.horizon - 1) / HORIZON_BLUR)
+    lost = LOST_FAR[0] + LOST_FAR[1] * sensor.loss(hits.cosine)
+    return _surface(pixels, at, hits, sensor, noise, softness, lost + beyond * np.maximum(LOST_BEYOND - lost, 0.0), CLUTTER)
+
+
+def _surface(
+    pixels: Pixels, at: Indices, hits: Hits, sensor: Sensor, noise: float, softness: Softness, lost: Array, stray: float
+) -> Surface:
     """Return one surface's density: a Gaussian about its range, uniform strays, and the chance of no return."""
     predicted = np.minimum(hits.ranges, 1e3)
-    sigma = np.hypot(noise * sensor.range_sigma(np.minimum(predicted, 10.0), hits.cosine), softness.extra_sigma)
-    z = (pixels.ranges - predicted) / sigma
+    sigma = noise * sensor.range_sigma(np.minimum(predicted, 10.0), hits.cosine)
+    if softness.extra_sigma:
+        sigma = np.hypot(sigma, softness.extra_sigma)
+    z = (pixels.ranges[at] - predicted) / sigma
     missing = np.isnan(z)
-    peak = (1 - stray) * np.exp(-0.5 * np.where(missing, np.inf, z * z)) / (np.sqrt(2 * np.pi) * sigma)
+    peak = (1 - stray) / np.sqrt(2 * np.pi) * np.exp(-0.5 * np.where(missing, np.inf, z * z)) / sigma
     density = np.where(missing, lost, (1 - lost) * (peak + stray / SPAN))
-    return Surface(hits, sigma, z, peak / (peak + stray / SPAN), density)
+    return Surface(at, hits, sigma, z, peak / (peak + stray / SPAN), density)
 
 
 def _with_other_objects(pixels: Pixels, near: Surface, far: Surface) -> tuple[Surface, Surface]:
     """Return the surfaces knowing which pixels saw another object: beside the box it replaces the floor, before it hides both."""
-    if not pixels.other.any():
-        return near, far
-    beside = np.where(pixels.other, 1 / SPAN, far.density)
-    hidden = pixels.other & (pixels.ranges < near.hits.ranges)
-    before = np.where(hidden, beside, near.density)
-    return (
-        Surface(near.hits, near.sigma, near.z, np.where(hidden, 0.0, near.gauss), before),
-        Surface(far.hits, far.sigma, far.z, np.where(pixels.other, 0.0, far.gauss), beside),
+    hidden = pixels.other[near.at] & (pixels.ranges[near.at] < near.hits.ranges)
+    other = pixels.other[far.at]
+    return _overruled(near, hidden), _overruled(far, other)
+
+
+def _overruled(surface: Surface, by_other: Mask) -> Surface:
+    """Return a surface that says nothing about the pixels that saw another object instead."""
+    return replace(
+        surface,
+        density=np.where(by_other, 1 / SPAN, surface.density),
+        gauss=np.where(by_other, 0.0, surface.gauss),
     )
 
 
-def _mixed_density(pixels: Pixels, near: Surface, far: Surface) -> Array:
-    """Return the (n,) density of a mixed pixel: uniform between the surfaces, blurred by the noise; an even chance of nothing."""
-    low = np.minimum(near.hits.ranges, far.hits.ranges)
-    high = np.clip(np.maximum(near.hits.ranges, far.hits.ranges), low, np.maximum(low, SPAN))
-    between = ndtr((pixels.ranges - low) / near.sigma) * ndtr((high - pixels.ranges) / near.sigma)
-    density = between / np.maximum(high - low, 2 * near.sigma) + 0.05 / SPAN
-    return np.where(np.isnan(pixels.ranges), 0.5, density)
+def _mixed_density(ranges: Array, faces: Surface, in_box: Indices, floor: Array) -> Array:
+    """Return the (k,) density of a mixed pixel: uniform between the surfaces, blurred by the noise; an even chance of nothing."""
+    face, sigma = faces.hits.ranges[in_box], faces.sigma[in_box]
+    low = np.minimum(face, floor)
+    high = np.clip(np.maximum(face, floor), low, np.maximum(low, SPAN))
+    between = ndtr((ranges - low) / sigma) * ndtr((high - ranges) / sigma)
+    density = between / np.maximum(high - low, 2 * sigma) + 0.05 / SPAN
+    return np.where(np.isnan(ranges), 0.5, density)
