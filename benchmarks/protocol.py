@@ -46,7 +46,10 @@ class Sample:
 
 
 def camera_of(name: str, noise: float, intrinsics: Intrinsics) -> Sensor:
-    """Return the protocol's camera: noise sigma r / sqrt(cos), 0.3 px jitter, 70-85 degree loss, no systematic error."""
+    """Return the protocol's camera: noise sigma r / sqrt(cos), 0.3 px jitter, 70-85 degree loss, no systematic error.
+
+    Its pixels look along one ray (mixed ones are drawn apart, without regard to brightness), so they have no footprint.
+    """
     return Sensor(
         name=name,
         intrinsics=intrinsics,
@@ -54,6 +57,7 @@ def camera_of(name: str, noise: float, intrinsics: Intrinsics) -> Sensor:
         noise_per_metre=noise,
         jitter_px=0.3,
         lateral_px=0.0,
+        footprint_px=0.0,
         scale_sd=0.0,
         offset_sd=0.0,
     )

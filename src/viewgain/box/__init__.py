@@ -6,6 +6,7 @@ from viewgain.box._box import FLOOR as FLOOR
 from viewgain.box._box import PARAMETERS as PARAMETERS
 from viewgain.box._box import PLANE_EXTENTS as PLANE_EXTENTS
 from viewgain.box._box import PLANE_NORMALS as PLANE_NORMALS
+from viewgain.box._box import TOP as TOP
 from viewgain.box._box import Box as Box
 from viewgain.box._box import adjoint as adjoint
 from viewgain.box._raycast import Hits as Hits

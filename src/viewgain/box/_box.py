@@ -11,6 +11,8 @@ import numpy as np
 from viewgain.arrays import Array, Points, Pose, Vector3
 from viewgain.geometry import Plane, cross_matrix, pose, rotation_from_rotvec, transform
 
+TOP = 4
+"""Index of the top among the faces."""
 FLOOR = 5
 """Index of the floor among the planes of :data:`PLANE_NORMALS`."""
 FACES = ("+x", "-x", "+y", "-y", "top")

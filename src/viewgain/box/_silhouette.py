@@ -23,6 +23,16 @@ class Outline:
     corners: Indices
     """(k,) which corner of the box each vertex is."""
 
+    def tangents(self) -> Points2:
+        """Return the (k, 2) unit directions of the edges, each from its vertex to the next."""
+        side = np.roll(self.vertices, -1, axis=0) - self.vertices
+        return np.asarray(side / np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None])
+
+    def inward(self) -> Points2:
+        """Return the (k, 2) unit normals of the edges, pointing inside."""
+        tangent = self.tangents()
+        return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+
 
 @dataclass(frozen=True, slots=True)
 class EdgeDistances:
@@ -38,6 +48,10 @@ class EdgeDistances:
     def take(self, chosen: Indices) -> "EdgeDistances":
         """Return a subset of the points."""
         return EdgeDistances(self.distance[chosen], self.edge[chosen], self.along[chosen])
+
+    def inward(self, shape: Outline) -> Points2:
+        """Return the (n, 2) unit normals of the nearest edges of ``shape``, pointing inside."""
+        return shape.inward()[self.edge]
 
 
 def outline(box: Box) -> Outline:
@@ -55,10 +69,8 @@ def edge_distances(shape: Outline, points: Points2) -> EdgeDistances:
     within a few pixels of the edges.
     """
     start = shape.vertices
-    side = np.roll(start, -1, axis=0) - start
-    length = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
-    tangent = side / length[:, None]
-    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    length = np.maximum(np.linalg.norm(np.roll(start, -1, axis=0) - start, axis=1), 1e-12)
+    tangent, inward = shape.tangents(), shape.inward()
     offset, origin = np.sum(start * inward, axis=1), np.sum(start * tangent, axis=1)
     x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     # Edge by edge on columns: an argmin over an (n, k) array takes several times as long.
@@ -84,9 +96,7 @@ def edge_end_jacobians(box: Box, shape: Outline) -> tuple[Array, Array]:
     In between they are mixed linearly: an edge moves with the two corners that carry it.
     """
     corner_steps = _corner_jacobian(box)[shape.corners]
-    side = np.roll(shape.vertices, -1, axis=0) - shape.vertices
-    tangent = side / np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None]
-    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    inward = shape.inward()
     at_start = -(inward[:, None] @ corner_steps)[:, 0]
     at_end = -(inward[:, None] @ np.roll(corner_steps, -1, axis=0))[:, 0]
     return np.asarray(at_start), np.asarray(at_end)

@@ -90,6 +90,8 @@ class Sensor:
     against them shift whole edges. Chosen so that 90 % intervals hold 90 % on our own simulated scans."""
     lost_edge_sd_px: float = 0.3
     """The same for an edge of a face whose returns are all lost to grazing incidence: only missing returns show it."""
+    spread: float = 1.0
+    """Factor on the standard deviations that the likelihood of a scan claims, learned on simulated scans (docs/accuracy.md)."""
 
     def __post_init__(self) -> None:
         check_numbers(self, f"camera {self.name}")

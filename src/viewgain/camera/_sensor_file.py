@@ -39,6 +39,7 @@ FIELDS = {
         "wiggle_period": "wiggle_period",
     },
     "quantisation": {"step": "step", "per_square_metre": "step_per_square_metre"},
+    "confidence": {"spread": "spread"},
     "edges": {"sd_px": "edge_sd_px", "lost_sd_px": "lost_edge_sd_px"},
 }
 """Section and key of the file to the field of the record; a key that ends in _deg is in degrees, the field in radians."""

@@ -128,11 +128,15 @@ def polled(fit: Fit, softness: Softness, reach: float) -> Box:
     return max((box for box in boxes if np.all(box.extents >= _MIN_EXTENT)), key=lambda box: value_at(box, fit, softness))
 
 
+def _readings(fit: Fit) -> Array:
+    """Return the (6,) number of range readings on each plane, over all views."""
+    return sum((evaluation.readings for evaluation in fit.evaluations), np.zeros(len(PLANE_NORMALS)))
+
+
 def _unpinned(fit: Fit) -> list[tuple[int, float]]:
     """Return axis and end (-0.5 or 0.5) of the side faces that too few ranges hold in place."""
-    readings = sum((evaluation.readings for evaluation in fit.evaluations), np.zeros(len(PLANE_NORMALS)))
     ends = ((0, 0.5), (0, -0.5), (1, 0.5), (1, -0.5))  # in the order of the faces
-    return [end for end, count in zip(ends, readings, strict=False) if count < _PINNING]
+    return [end for end, count in zip(ends, _readings(fit), strict=False) if count < _PINNING]
 
 
 def value_at(box: Box, fit: Fit, softness: Softness) -> float:

@@ -38,8 +38,10 @@ LEAST_DENSITY = 1e-12
 """No reading is held for less likely than this, per metre."""
 BAND = 6.0
 """Beyond this many blurs from the outline a pixel saw one thing only (the chance of the other is 1e-9)."""
+_TOLD_APART = 3.0
+"""A range this many sigma from a surface is told from it."""
 _MIXED_BAND = 3.0
-"""The same for mixed pixels, pixels."""
+"""The like of :data:`BAND` for mixed pixels, pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,6 +106,11 @@ class Surface:
     density: Array
     """(m,) density of what the pixel reported, a range or nothing, had it seen this surface."""
 
+    def take(self, chosen: Indices) -> "Surface":
+        """Return a subset of the pixels."""
+        columns = (values[chosen] for values in (self.sigma, self.z, self.gauss, self.density))
+        return Surface(self.at[chosen], self.hits.take(chosen), *columns)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Band:
@@ -115,6 +122,8 @@ class Band:
     """(k,) where they stand among the pixels of the box's surface."""
     in_floor: Indices
     """(k,) where they stand among the pixels of the floor's surface."""
+    shown: Array
+    """(k,) signed distance to where the camera shows the outline (:func:`bloom`), pixels."""
     on_both: Array
     """(k,) probability that the pixel mixed the two."""
     could_mix: Array
@@ -166,7 +175,9 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     if pixels.other.any():
         faces, ground = _with_other_objects(pixels, faces, ground)
 
-    s, box_density, floor_density = inside[at], faces.density[in_box], ground.density[in_floor]
+    inner = box_hits(box, pixels.directions[at] + 0.5 * pixels.pitch * np.pad(edges.take(at).inward(shape), ((0, 0), (0, 1))))
+    shown = inside[at] + bloom(faces.take(in_box), inner, ground.take(in_floor), sensor)
+    s, box_density, floor_density = shown, faces.density[in_box], ground.density[in_floor]
     seen, unseen = ndtr(s / softness.edge), ndtr(-s / softness.edge)
     mixing = FLYING * np.exp(-0.5 * (s / FLYING_REACH) ** 4)
     pure = seen * box_density + unseen * floor_density
@@ -179,8 +190,27 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     total = np.empty(len(inside))
     total[far], total[near] = np.maximum(ground.density, LEAST_DENSITY), np.maximum(faces.density, LEAST_DENSITY)
     total[at] = density
-    band = Band(at, in_box, in_floor, mixing * mixed / density, mixing * pure / density)
+    band = Band(at, in_box, in_floor, shown, mixing * mixed / density, mixing * pure / density)
     return Mixture(faces, ground, shape, edges, inside, band, on_box, on_floor, float(np.sum(np.log(total))))
+
+
+def bloom(near: Surface, inner: Hits, far: Surface, sensor: Sensor) -> Array:
+    """Return by how many pixels the brighter side of an edge grows over the darker one, positive outwards; (k,).
+
+    A time-of-flight pixel on an edge adds up the light of both sides, so with amplitudes a and b, cos(incidence) / range^2 where
+    both reflect alike, the share t of the way from the near to the far range is reached where the near side fills
+    b (1 - t) / (a t + b (1 - t)) of the pixel. Readings closer than the camera's filter (or its noise) to one side count as that
+    side's; the edge shows half way between the two limits. Where the face at the outline is a sliver, the brighter one a pixel
+    further inside outshines it.
+    """
+    if sensor.kind != "tof" or sensor.footprint_px == 0:
+        return np.zeros(len(near.sigma))
+    front, back = np.minimum(near.hits.ranges, 1e3), np.minimum(far.hits.ranges, 1e3)
+    a, b = np.maximum(near.hits.cosine, inner.cosine) * back**2, far.hits.cosine * front**2
+    told = np.maximum(sensor.flying_filter * front, _TOLD_APART * near.sigma)
+    t = np.clip(told / np.maximum(np.abs(back - front), 1e-6), 0.0, 0.5)
+    nearer, farther = (b * (1 - t) / np.maximum(a * t + b * (1 - t), 1e-12) for t in (t, 1 - t))
+    return np.asarray(sensor.footprint_px * (0.5 - (nearer + farther) / 2))
 
 
 def _faces(box: Box, pixels: Pixels, at: Indices, sensor: Sensor, noise: float, softness: Softness) -> Surface:

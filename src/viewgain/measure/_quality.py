@@ -20,6 +20,10 @@ BENT_M = 0.004
 """A face whose residuals follow a paraboloid of at least this depth is flagged as bent, metres."""
 MIN_FACE_POINTS = 25
 """A face counts as seen with at least this many returns."""
+SPANNING = (("+y", "-y", "top"), ("+x", "-x", "top"), ("+x", "-x", "+y", "-y"))
+"""The faces that contain each axis of the box."""
+SPANNING_POINTS = 100
+"""A face with at least this many returns shows how far it reaches."""
 MIN_EXPLAINED = 0.75
 """An object is a box only if this share of its returns lies on the box's faces."""
 MIN_EXPLAINED_FEW = 0.95
@@ -61,6 +65,10 @@ class Quality:
     """Returns on the box."""
     cut: bool
     """Whether the outline leaves the image."""
+
+    def spans(self, axis: int) -> bool:
+        """Return whether a face with many returns contains this axis of the box (0 x, 1 y, 2 z)."""
+        return any(face.returns >= SPANNING_POINTS for face in self.faces if face.name in SPANNING[axis])
 
     @property
     def faces_seen(self) -> int:

@@ -58,12 +58,13 @@ class Knowledge:
     def covariance(self, sensor: Sensor) -> Array:
         """Return the (9, 9) covariance of the box: noise, inflated, plus systematic error.
 
-        With information L, inflation k and systematic gradient S the covariance is k L^-1 + L^-1 S diag(sd^2) S^T L^-1 (ours).
+        With information L, inflation k, the camera's learned spread c and systematic gradient S the covariance is
+        k c^2 L^-1 + L^-1 S diag(sd^2) S^T L^-1 (ours).
         A loose prior (1 rad, 0.5 m) keeps directions finite that no view fixes.
         """
         spread = np.linalg.inv(self.information + LOOSE_PRIOR)
         response = spread @ self.systematic * (sensor.scale_sd, sensor.offset_sd)
-        return np.asarray(self.inflation * spread + response @ response.T)
+        return np.asarray(self.inflation * sensor.spread**2 * spread + response @ response.T)
 
 
 def knowledge(fit: Fit) -> Knowledge:
@@ -117,7 +118,7 @@ def correlation_factor(evaluation: Evaluation, pixels: Pixels) -> float:
     return max(1.0, float(np.mean(mean[full] ** 2 * count[full])))
 
 
-def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut: bool) -> Interval:
+def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut: bool, spanned: bool) -> Interval:
     """Return the 90 % interval of one extent: Gaussian where the scan bounds it, else from likelihood profile and prior.
 
     Args:
@@ -127,7 +128,11 @@ def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut
         spread: Its (9, 9) covariance.
         cut: Whether the box leaves the image. The curvature then tells only that an edge is no nearer than the border, so it
             bounds the extent from above only if the likelihood falls on the far side too.
+        spanned: Whether a face that the camera sees spans the extent. If the box is cut as well, the far end is neither seen nor
+            known to lie in the image, and nothing is claimed but the prior's lower end.
     """
+    if cut and not spanned:
+        return Interval(min(PRIOR_EXTENT[0], float(fit.box.extents[axis])), np.inf, np.nan)
     value = float(fit.box.extents[axis])
     sigma = float(np.sqrt(spread[6 + axis, 6 + axis]))
     ridge = _Ridge(axis, fit, known)
