@@ -7,9 +7,9 @@ import numpy as np
 
 from viewgain.errors import ConfigError
 
-ANY_SIGN = {"noise_constant", "noise_per_metre", "noise_per_square_metre", "noise_grazing_range_power"}
-"""Fitted polynomials and powers; what they add up to is judged by the record itself."""
-POSITIVE = {"noise_reflectivity", "wiggle_period", "unambiguous", "modulation_hz"}
+ANY_SIGN = {"noise_constant", "noise_per_metre", "noise_per_square_metre", "noise_grazing_range_power", "scale", "offset"}
+"""Fitted polynomials and powers, whose sum is judged by the record itself, and known errors."""
+POSITIVE = {"noise_reflectivity", "wiggle_period", "unambiguous", "modulation_hz", "spread"}
 """Divisors and lengths that cannot be zero; all others may be."""
 
 

@@ -76,6 +76,10 @@ class Sensor:
     """Standard deviation of the relative range error that remains after calibration."""
     offset_sd: float = 0.003
     """Standard deviation of the constant range error that remains after calibration, metres."""
+    scale: float = 0.0
+    """Known relative range error of this very camera: measuring takes it off (``viewgain calibrate`` finds it)."""
+    offset: float = 0.0
+    """Known constant range error, metres, taken off likewise."""
     wiggle: float = 0.0
     """Amplitude of the periodic range error that remains after calibration, metres."""
     wiggle_period: float = 0.5
@@ -97,6 +101,8 @@ class Sensor:
         check_numbers(self, f"camera {self.name}")
         if self.kind not in ("tof", "structured_light"):
             raise ConfigError(f"camera {self.name}: got kind {self.kind!r}, wanted 'tof' or 'structured_light'")
+        if not -0.5 < self.scale < 0.5:
+            raise ConfigError(f"camera {self.name}: got scale = {self.scale}, wanted a relative error between -0.5 and 0.5")
         if not self.range_min < self.range_max:
             raise ConfigError(f"camera {self.name}: got range {self.range_min} to {self.range_max} m, wanted 0 <= min < max")
         if not 0 < self.grazing_start < self.grazing_end <= np.pi / 2:
@@ -172,9 +178,19 @@ class Sensor:
         """Return the (k,) standard deviation of whole edges, pixels, of faces seen under these cosines of incidence."""
         return np.asarray(self.edge_sd_px + self.lost_edge_sd_px * self.loss(cosine))
 
+    def true_ranges(self, ranges: Array) -> Array:
+        """Return reported ranges, metres, without the camera's known scale and offset error."""
+        return ranges if self.scale == self.offset == 0 else np.asarray((ranges - self.offset) / (1 + self.scale))
+
+    def corrected(self, scale: float, offset: float, scale_sd: float, offset_sd: float) -> "Sensor":
+        """Return the camera with a further known range error, metres for the offset, and what remains unknown of it."""
+        whole_scale = (1 + self.scale) * (1 + scale) - 1
+        whole_offset = self.offset + (1 + self.scale) * offset
+        return replace(self, scale=whole_scale, offset=whole_offset, scale_sd=scale_sd, offset_sd=offset_sd)
+
     def without_systematic(self) -> "Sensor":
         """Return the same camera with perfect calibration (no scale, offset and periodic error)."""
-        return replace(self, scale_sd=0.0, offset_sd=0.0, wiggle=0.0)
+        return replace(self, scale=0.0, offset=0.0, scale_sd=0.0, offset_sd=0.0, wiggle=0.0)
 
     def _axial(self, ranges: Array) -> Array:
         return np.asarray(self.noise_constant + ranges * (self.noise_per_metre + ranges * self.noise_per_square_metre))

@@ -33,6 +33,8 @@ FIELDS = {
         "flying_filter": "flying_filter",
     },
     "systematic": {
+        "scale": "scale",
+        "offset": "offset",
         "scale_sd": "scale_sd",
         "offset_sd": "offset_sd",
         "wiggle": "wiggle",

@@ -66,6 +66,22 @@ class Next:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Calibrate:
+    """Learn one camera's systematic range error from scans of a box of known size, and write the camera as a file."""
+
+    scans: Scans
+    """Scan files; views from several sides and distances tell scale from offset."""
+    reading: Annotated[Reading, tyro.conf.arg(name="")] = field(default_factory=Reading)
+    """How the files are read."""
+    dims: tuple[float, float, float]
+    """True sides of the box in any order, metres."""
+    out: Path = Path("camera.toml")
+    """Camera file to write; use it with --camera from then on."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Demo:
     """Run the whole loop on a random simulated scene and write a report folder."""
 

@@ -5,13 +5,14 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from viewgain.cli._commands import Demo, Measure, Next, Simulate
+from viewgain.cli._commands import Calibrate, Demo, Measure, Next, Simulate
 from viewgain.cli._exit import BAD_INPUT, print_error
 from viewgain.errors import ViewgainError
 
 _RUNNERS = {
     Measure: ("_measure", "run_measure"),
     Next: ("_next", "run_next"),
+    Calibrate: ("_calibrate", "run_calibrate"),
     Simulate: ("_simulate", "run_simulate"),
     Demo: ("_demo", "run_demo"),
 }
@@ -20,6 +21,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
 
   viewgain measure scan.ply             length, width, height and volume with error bars
   viewgain next scan.ply --rig ring8    where to move the camera, and whether to stop
+  viewgain calibrate scan.png --dims .. what a known box says about this very camera
   viewgain simulate --out DIR           scans of a simulated scene, with the truth
   viewgain demo                         the whole loop on a simulated scene, with a report
 
@@ -37,7 +39,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         command = tyro.cli(
-            Measure | Next | Simulate | Demo, prog="viewgain", description=_DESCRIPTION, args=arguments or ["--help"]
+            Measure | Next | Calibrate | Simulate | Demo,
+            prog="viewgain",
+            description=_DESCRIPTION,
+            args=arguments or ["--help"],
         )
     except SystemExit as exit_:
         return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT

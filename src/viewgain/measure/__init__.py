@@ -1,5 +1,7 @@
 """From depth scans to measured boxes: floor, objects, maximum likelihood, error bars, flags."""
 
+from viewgain.measure._calibrate import Calibration as Calibration
+from viewgain.measure._calibrate import calibrate as calibrate
 from viewgain.measure._fit import marginal as marginal
 from viewgain.measure._fuse import POSE_SIGMA as POSE_SIGMA
 from viewgain.measure._fuse import fuse as fuse

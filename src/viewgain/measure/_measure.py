@@ -62,9 +62,10 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
     Raises:
         ConfigError: If ``camera`` names no preset.
     """
-    image = range_image(scan)
-    model = replace(sensor_of(camera), intrinsics=image.whole_camera())
-    floors = find_floors(image if floor is None else range_image(floor), model)
+    known = sensor_of(camera)
+    image = range_image(scan).corrected(known)
+    model = replace(known, intrinsics=image.whole_camera())
+    floors = find_floors(image if floor is None else range_image(floor).corrected(known), model)
     attempts = [_on_floor(image, candidate, model, noise_known=camera is not None) for candidate in floors]
     if not attempts:
         attempts = [Measurement((), None, (), "no_floor")]

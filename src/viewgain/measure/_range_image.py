@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from viewgain.arrays import Array, Image, Indices, Mask, Points, Points2
-from viewgain.camera import Intrinsics
+from viewgain.camera import Intrinsics, Sensor
 from viewgain.scans import MIN_POINTS, Scan
 
 _POLYNOMIAL_DEGREE = 5
@@ -61,6 +61,10 @@ class RangeImage:
         half_height = max(camera.cy, camera.height - 1 - camera.cy)
         width, height = round(2 * half_width) + 1, round(2 * half_height) + 1
         return replace(camera, width=width, height=height, cx=(width - 1) / 2, cy=(height - 1) / 2)
+
+    def corrected(self, sensor: Sensor) -> "RangeImage":
+        """Return the image without the known range error of ``sensor``."""
+        return replace(self, ranges=sensor.true_ranges(self.ranges))
 
     def to_pixels(self, image: Points2) -> Points2:
         """Return the (n, 2) pixel coordinates (u, v) of (n, 2) normalised image points."""

@@ -45,7 +45,7 @@ def received(signal: Signal, sensor: Sensor, error: RangeError, effects: Effects
     seen = np.isfinite(signal.ranges)
     ranges = np.where(seen, signal.ranges, 0.0)
     sigma = random_sigma(ranges, signal, sensor, effects)
-    ranges = ranges * (1 + error.scale) + error.offset
+    ranges = (ranges * (1 + error.scale) + error.offset) * (1 + sensor.scale) + sensor.offset
     if effects.wiggle and sensor.wiggle > 0:
         turn = (2 * np.pi / sensor.wiggle_period * ranges).astype(np.float32)  # a millionth of a millimetre is close enough
         ranges = ranges + sensor.wiggle * np.sin(turn)
