@@ -1,4 +1,4 @@
-"""Several scans with known camera poses, one estimate: the likelihoods multiply, the pose errors are estimated along."""
+"""Several scans, one estimate: the likelihoods multiply, the pose errors are estimated along. Here with poses, else ``_unposed``."""
 
 from dataclasses import replace
 
@@ -13,6 +13,7 @@ from viewgain.measure._fit import View
 from viewgain.measure._joint import estimate_of, joint_fit, own_precision, seen_from
 from viewgain.measure._measure import measure
 from viewgain.measure._result import BoxEstimate, Measurement
+from viewgain.measure._unposed import fuse_without_poses
 from viewgain.scans import Scan
 
 POSE_SIGMA = (0.003, float(np.deg2rad(0.3)))
@@ -26,39 +27,45 @@ def fuse(
     floor: Scan | None = None,
     pose_sigma: tuple[float, float] = POSE_SIGMA,
 ) -> Measurement:
-    """Measure the boxes that several scans with known poses show, all views together.
+    """Measure the boxes that several scans show, all views together.
 
-    Each scan is measured alone; estimates of the same box (centres within half its size in the world, or all of it where it is
-    open) are then refined jointly on all their pixels, with six pose corrections per further view held by ``pose_sigma``.
+    Each scan is measured alone; estimates of the same box are then refined jointly on all their pixels (docs/fusing.md). With
+    poses, boxes are the same whose centres lie within half their size in the world (all of it where one is open), and each
+    camera has six pose corrections held by ``pose_sigma``. Without poses, boxes are the same whose sizes and places on the floor
+    agree, and where the cameras stood comes out of the fit.
     Objects that one scan alone leaves unbounded (``cut_by_border``) take part: together they may be bounded.
 
     Args:
-        scans: At least one scan, each with ``camera_to_world``; the last is the camera as it stands.
+        scans: At least one scan, all with ``camera_to_world`` or none; the last is the camera as it stands.
         camera: As in :func:`measure`.
         floor: Empty scene seen from the last camera, used for that scan.
-        pose_sigma: Standard deviation of each camera pose, metres and radians per axis.
+        pose_sigma: Standard deviation of each camera pose, metres and radians per axis; not looked at without poses.
 
     Returns:
         A measurement in the frame of the last scan's camera. A box seen in one scan only is kept as that scan measured it.
+        Without poses, in the frame of the last scan that shares a box with the others, with ``camera_poses``; scans that share
+        none are left out, and a note says so.
 
     Raises:
-        ConfigError: If there is no scan, or one of several has no pose.
+        ConfigError: If there is no scan, or some have a pose and some have none.
     """
     if not scans:
         raise ConfigError("fuse: got no scan, wanted at least one")
-    if len(scans) > 1:
-        for scan in scans:
-            if scan.camera_to_world is None:
-                raise ConfigError(f"{scan.source}: has no camera pose, and fusing needs one per scan; give camera_to_world")
+    _require_all_or_none([(scan.source, scan.camera_to_world is not None) for scan in scans])
     results = [measure(scan, camera=camera, floor=floor if scan is scans[-1] else None) for scan in scans]
     return fuse_measurements(results, pose_sigma=pose_sigma)
 
 
 def fuse_measurements(results: list[Measurement], *, pose_sigma: tuple[float, float] = POSE_SIGMA) -> Measurement:
     """Return one measurement from several single-scan ones (as :func:`fuse`, without measuring again)."""
+    if not results:
+        raise ConfigError("fuse: got no scan, wanted at least one")
     last = results[-1]
     if len(results) == 1:
         return last
+    _require_all_or_none([(", ".join(result.scans), result.camera_to_world is not None) for result in results])
+    if last.camera_to_world is None:
+        return fuse_without_poses(results)
     worlds = [result.world for result in results]
     known = {id(box) for result in results for box in result.boxes}
     groups = [(group, _fused(group, worlds, pose_sigma)) for group in _same_boxes(results, worlds)]
@@ -66,6 +73,13 @@ def fuse_measurements(results: list[Measurement], *, pose_sigma: tuple[float, fl
     boxes = tuple(sorted(measured, key=lambda box: -box.quality.returns))
     names = tuple(name for result in results for name in result.scans)
     return replace(last, scans=names, boxes=boxes, reason=None if boxes else last.reason)
+
+
+def _require_all_or_none(posed: list[tuple[str, bool]]) -> None:
+    """Refuse scans of which some have a camera pose and some have none, naming the first without."""
+    without = [name for name, has_pose in posed if not has_pose]
+    if without and len(without) < len(posed):
+        raise ConfigError(f"{without[0]}: has no camera pose, but other scans have; give camera_to_world for all scans or for none")
 
 
 def _settled(group: dict[int, BoxEstimate], fused: BoxEstimate) -> bool:
