@@ -7,6 +7,7 @@ and what is known of the box afterwards has them integrated out.
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, Box, adjoint
@@ -24,6 +25,7 @@ COMMON_EDGES = 1.0
 """Share of the standard deviation of edge shifts that all edges of all views have in common: one camera mixes its pixels, and
 loses its grazing returns, in every view alike, so these errors do not average out. Chosen on development seeds (docs/fusing.md)."""
 _COARSE_PIXELS = 1500
+_CONTRADICTION = 0.99
 
 
 def own_precision(camera_to_box: Pose, pose_sigma: tuple[float, float]) -> Array:
@@ -55,7 +57,7 @@ def joint_fit(starts: list[Box], views: tuple[View, ...]) -> Fit:
     """Return the box of greatest likelihood in all views, from the best of several starts."""
     few = tuple(view.with_pixels(thinned(view.pixels, _COARSE_PIXELS)) for view in views)
     rough = max((refine(start, few, COARSE, 5) for start in starts), key=lambda fit: fit.value)
-    return refine(rough.box, views, FINE, 8)
+    return refine(rough.box, views, FINE, 12, rough.corrections)
 
 
 def seen_from(fit: Fit, reference: int | None) -> Fit:
@@ -87,11 +89,31 @@ def estimate_of(fit: Fit, parts: list[BoxEstimate], reference_precision: Array |
     """
     known, edges = _knowledge(fit, reference_precision)
     spread = known.covariance(fit.views[0].sensor) + edges
+    spread[6:, 6:] += np.diag(_disagreement(fit, parts))
     quality = _quality(fit, parts)
     x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     touching = any("touching" in part.flags for part in parts)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
+
+
+def _disagreement(fit: Fit, parts: list[BoxEstimate]) -> Array:
+    """Return the (3,) variance to add to each extent because views contradict each other: zero unless beyond the 99 % point.
+
+    Then what the views' sigmas do not explain is taken for an error of each view's own (DerSimonian and Laird 1986), and the
+    mean of n views carries an n-th of its variance. An open extent contradicts nothing.
+    """
+    values, weights = np.zeros((len(parts), 3)), np.zeros((len(parts), 3))
+    for k, part in enumerate(parts):
+        seen = fit.views[k].sees(fit.box, fit.corrections[k]).box_to_camera[:3, :3]
+        order = np.argmax(np.abs(part.box.box_to_camera[:3, :3].T @ seen), axis=0)
+        values[k] = part.box.extents[order]
+        weights[k] = np.where(part.is_open, 0.0, 1 / np.diag(part.covariance)[6:])[order]
+    total = np.maximum(weights.sum(axis=0), 1e-12)
+    misfit = np.sum(weights * (values - np.sum(weights * values, axis=0) / total) ** 2, axis=0)
+    count = np.maximum((weights > 0).sum(axis=0), 1)
+    between = (misfit - (count - 1)) / np.maximum(total - np.sum(weights**2, axis=0) / total, 1e-12)
+    return np.where(misfit > chi2.ppf(_CONTRADICTION, np.maximum(count - 1, 1)), between / count, 0.0)
 
 
 def _knowledge(fit: Fit, reference_precision: Array | None) -> tuple[Knowledge, Array]:

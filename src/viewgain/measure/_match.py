@@ -16,7 +16,7 @@ from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure._result import BoxEstimate
 from viewgain.measure._uncertainty import LOOSE_PRIOR
 
-FLOOR_SIGMA = 0.002
+FLOOR_SIGMA = 0.004
 """Added to the standard deviation of every extent when boxes are compared, metres: what the model does not know (dents, tape,
 mixed pixels); without it the sharper of two good views would refuse the other."""
 SAME_BOX = 16.3
@@ -35,6 +35,11 @@ class Extents:
     least: Array
     """(3,) lower ends of the 90 % intervals: all that is known of an open extent, metres."""
 
+    @property
+    def is_closed(self) -> Array:
+        """(3,) whether the scan bounds the extent well enough to tell one box from another: to a tenth."""
+        return np.asarray(np.diag(self.precision) * (0.1 * self.values) ** 2 > 1)
+
     def turned(self, quarters: int) -> "Extents":
         """Return the same as seen along axes turned by some quarter-turns about the vertical."""
         order = [1, 0, 2] if quarters % 2 else [0, 1, 2]
@@ -44,10 +49,9 @@ class Extents:
 def extents_of(estimate: BoxEstimate) -> Extents:
     """Return what an estimate says about the extents."""
     covariance = estimate.covariance[6:, 6:] + FLOOR_SIGMA**2 * np.eye(3)
-    for axis, interval in enumerate(estimate.intervals):
-        if estimate.is_open[axis]:
-            covariance[axis] = covariance[:, axis] = 0.0
-            covariance[axis, axis] = interval.sigma**2 if np.isfinite(interval.sigma) else _OPEN_SIGMA**2
+    for axis in np.flatnonzero(estimate.is_open):
+        covariance[axis] = covariance[:, axis] = 0.0
+        covariance[axis, axis] = _OPEN_SIGMA**2
     least = np.array([interval.low for interval in estimate.intervals])
     return Extents(estimate.box.extents, np.linalg.inv(covariance), least)
 

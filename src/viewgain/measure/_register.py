@@ -90,11 +90,12 @@ def _links(groups: list[dict[int, Sighting]], sights: list[Sighting]) -> Iterato
         for b, here in enumerate(sights):
             for quarters in range(4):
                 both = pooled([there.extents, here.extents.turned(quarters)])
-                if both.misfit <= SAME_BOX:
+                common = _common(there.extents, here.extents.turned(quarters))
+                if both.misfit <= SAME_BOX and common >= (1 if len(sights) == len(groups) == 1 else 2):
                     own = grown(here.estimate, both.values[[1, 0, 2]] if quarters % 2 else both.values)
                     stands = grown(replace(there.estimate, box=there.placed), both.values)
                     motion = stands.box_to_camera @ quarter_turn(quarters) @ inverse(own.box_to_camera)
-                    link = _checked(known, sights, motion, Link(motion, ((g, b, quarters),), SAME_BOX - both.misfit))
+                    link = _checked(known, sights, motion, Link(motion, ((g, b, quarters),), (SAME_BOX - both.misfit) * common / 3))
                     if link is not None:
                         yield link
 
@@ -115,13 +116,20 @@ def _checked(known: list[Sighting], sights: list[Sighting], motion: Pose, link: 
             quarters = _quarters(moved, there.placed)
             taken = any(k == pair[0] for pair in pairs)
             if gap < reach and quarters is not None and not taken:
-                misfit = pooled([there.extents, here.extents.turned(quarters)]).misfit
+                turned = here.extents.turned(quarters)
+                misfit = pooled([there.extents, turned]).misfit
                 if misfit <= SAME_BOX:
-                    pairs, score = (*pairs, (k, other, quarters)), score + SAME_BOX - misfit
+                    pairs = (*pairs, (k, other, quarters))
+                    score += (SAME_BOX - misfit) * _common(there.extents, turned) / 3
                     break
             if overlapping:
                 return None
     return Link(motion, pairs, score)
+
+
+def _common(one: Extents, other: Extents) -> int:
+    """Return how many extents both bound: only those tell whether it is the same box."""
+    return int(np.sum(one.is_closed & other.is_closed))
 
 
 def _slack(sight: Sighting) -> float:
