@@ -22,7 +22,9 @@ def main() -> None:
     """Parse the names and run them in order."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(BENCHMARKS)}; default all")
-    parser.add_argument("--scenes", type=int, default=200, help="scenes of closed-loop, fusion (pairs) and calibration (default 200)")
+    parser.add_argument(
+        "--scenes", type=int, default=200, help="scenes of closed-loop, fusion (pairs) and calibration (default 200)"
+    )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes for closed-loop, fusion, calibration and simulation (default 2)"
     )

@@ -1,4 +1,4 @@
-"""Several scans, one estimate: the likelihoods multiply, the pose errors are estimated along. Here with poses, else ``_unposed``."""
+"""Several scans, one estimate: the likelihoods multiply, pose errors are estimated along. Without poses: ``_unposed``."""
 
 from dataclasses import replace
 
@@ -79,7 +79,9 @@ def _require_all_or_none(posed: list[tuple[str, bool]]) -> None:
     """Refuse scans of which some have a camera pose and some have none, naming the first without."""
     without = [name for name, has_pose in posed if not has_pose]
     if without and len(without) < len(posed):
-        raise ConfigError(f"{without[0]}: has no camera pose, but other scans have; give camera_to_world for all scans or for none")
+        raise ConfigError(
+            f"{without[0]}: has no camera pose, but other scans have; give camera_to_world for all scans or for none"
+        )
 
 
 def _settled(group: dict[int, BoxEstimate], fused: BoxEstimate) -> bool:

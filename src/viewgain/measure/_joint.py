@@ -23,7 +23,8 @@ UNKNOWN_POSE = np.diag([1e-6] * 6)
 """(6, 6) precision of the pose of a camera that could stand anywhere: 1000 rad, 1000 m."""
 COMMON_EDGES = 1.0
 """Share of the standard deviation of edge shifts that all edges of all views have in common: one camera mixes its pixels, and
-loses its grazing returns, in every view alike, so these errors do not average out. Chosen on development seeds (docs/fusing.md)."""
+loses its grazing returns, in every view alike, so these errors do not average out. Chosen on development seeds (docs/fusing.md).
+"""
 _COARSE_PIXELS = 1500
 _CONTRADICTION = 0.99
 

@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from viewgain.arrays import Array, Pose
+from viewgain.arrays import Array, Mask, Pose
 from viewgain.box import Box
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure._result import BoxEstimate
@@ -36,7 +36,7 @@ class Extents:
     """(3,) lower ends of the 90 % intervals: all that is known of an open extent, metres."""
 
     @property
-    def is_closed(self) -> Array:
+    def is_closed(self) -> Mask:
         """(3,) whether the scan bounds the extent well enough to tell one box from another: to a tenth."""
         return np.asarray(np.diag(self.precision) * (0.1 * self.values) ** 2 > 1)
 
@@ -53,7 +53,7 @@ def extents_of(estimate: BoxEstimate) -> Extents:
         covariance[axis] = covariance[:, axis] = 0.0
         covariance[axis, axis] = _OPEN_SIGMA**2
     least = np.array([interval.low for interval in estimate.intervals])
-    return Extents(estimate.box.extents, np.linalg.inv(covariance), least)
+    return Extents(estimate.box.extents, np.asarray(np.linalg.inv(covariance), dtype=float), least)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,9 +90,7 @@ def correspondences(parts: Sequence[Extents], known: Sequence[int | None]) -> li
         For each way the quarter-turns of each part (0 for the first, 0 or 1 where not known) and what the parts agree on.
     """
     choices = [(0,), *((0, 1) if turns is None else (turns,) for turns in known[1:])]
-    tried = [
-        (way, pooled([part.turned(turn) for part, turn in zip(parts, way, strict=True)])) for way in product(*choices)
-    ]
+    tried = [(way, pooled([part.turned(turn) for part, turn in zip(parts, way, strict=True)])) for way in product(*choices)]
     return sorted(tried, key=lambda pair: -pair[1].log_weight)
 
 

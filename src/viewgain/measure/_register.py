@@ -95,7 +95,9 @@ def _links(groups: list[dict[int, Sighting]], sights: list[Sighting]) -> Iterato
                     own = grown(here.estimate, both.values[[1, 0, 2]] if quarters % 2 else both.values)
                     stands = grown(replace(there.estimate, box=there.placed), both.values)
                     motion = stands.box_to_camera @ quarter_turn(quarters) @ inverse(own.box_to_camera)
-                    link = _checked(known, sights, motion, Link(motion, ((g, b, quarters),), (SAME_BOX - both.misfit) * common / 3))
+                    link = _checked(
+                        known, sights, motion, Link(motion, ((g, b, quarters),), (SAME_BOX - both.misfit) * common / 3)
+                    )
                     if link is not None:
                         yield link
 

@@ -53,9 +53,7 @@ def fuse_without_poses(results: list[Measurement]) -> Measurement:
         return _alone(results)
     frame = max(known.camera_to_map)
     fused = [_fuse_group(group, known.settled) for group in known.groups]
-    wanted = [
-        box for group, box in zip(known.groups, fused, strict=True) if _is_measured(group, box.estimate, results)
-    ]
+    wanted = [box for group, box in zip(known.groups, fused, strict=True) if _is_measured(group, box.estimate, results)]
     poses = _camera_poses(known.camera_to_map, wanted, frame)
     boxes = [replace(box.estimate, box=box.estimate.box.in_frame(poses[box.reference])) for box in wanted]
     boxes.sort(key=lambda box: -box.quality.returns)
@@ -91,7 +89,9 @@ def _is_measured(group: dict[int, Sighting], fused: BoxEstimate, results: list[M
 
 def _notes(results: list[Measurement], poses: dict[int, Pose], boxes: list[BoxEstimate], *, settled: bool) -> tuple[str, ...]:
     notes = [note for result in results for note in result.notes]
-    notes += [f"{', '.join(r.scans)}: shares no box with the other scans; left out" for k, r in enumerate(results) if k not in poses]
+    notes += [
+        f"{', '.join(r.scans)}: shares no box with the other scans; left out" for k, r in enumerate(results) if k not in poses
+    ]
     notes += [_AMBIGUOUS] if any("ambiguous" in box.flags for box in boxes) else []
     return (*notes, *([] if settled else [_HALF_TURN]))
 
@@ -102,9 +102,7 @@ def _fuse_group(group: dict[int, Sighting], settled: frozenset[int]) -> _Fused:
     if len(group) == 1:
         return _Fused(group[reference].estimate, reference, {reference: np.eye(4)})
     order = [reference, *(k for k in group if k != reference)]
-    turns = [
-        (group[k].quarters - group[reference].quarters) % 4 if {k, reference} <= settled else None for k in order
-    ]
+    turns = [(group[k].quarters - group[reference].quarters) % 4 if {k, reference} <= settled else None for k in order]
     estimate = fuse_sightings([group[k].estimate for k in order], turns)
     poses = [np.eye(4) if v.reference_to_camera is None else inverse(v.reference_to_camera) for v in estimate.views]
     return _Fused(estimate, reference, dict(zip(order, poses, strict=True)))
