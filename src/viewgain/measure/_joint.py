@@ -7,7 +7,7 @@ and what is known of the box afterwards has them integrated out.
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, Box, adjoint
@@ -114,7 +114,7 @@ def _disagreement(fit: Fit, parts: list[BoxEstimate]) -> Array:
     misfit = np.sum(weights * (values - np.sum(weights * values, axis=0) / total) ** 2, axis=0)
     count = np.maximum((weights > 0).sum(axis=0), 1)
     between = (misfit - (count - 1)) / np.maximum(total - np.sum(weights**2, axis=0) / total, 1e-12)
-    return np.where(misfit > chi2.ppf(_CONTRADICTION, np.maximum(count - 1, 1)), between / count, 0.0)
+    return np.where(misfit > chdtri(np.maximum(count - 1, 1), 1 - _CONTRADICTION), between / count, 0.0)
 
 
 def _knowledge(fit: Fit, reference_precision: Array | None) -> tuple[Knowledge, Array]:
