@@ -3,11 +3,12 @@
 import argparse
 from pathlib import Path
 
-from benchmarks import accuracy, calibration, closed_loop, multipath, published_noise, real, real_tof, simulation
+from benchmarks import accuracy, calibration, closed_loop, fusion, multipath, published_noise, real, real_tof, simulation
 
 BENCHMARKS = {
     "accuracy": accuracy.run,
     "closed-loop": closed_loop.run,
+    "fusion": fusion.run,
     "real": real.run,
     "calibration": calibration.run,
     "multipath": multipath.run,
@@ -21,9 +22,11 @@ def main() -> None:
     """Parse the names and run them in order."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(BENCHMARKS)}; default all")
-    parser.add_argument("--scenes", type=int, default=200, help="scenes of closed-loop and calibration (default 200)")
     parser.add_argument(
-        "--workers", type=int, default=2, help="processes for closed-loop, calibration and simulation (default 2)"
+        "--scenes", type=int, default=200, help="scenes of closed-loop, fusion (pairs) and calibration (default 200)"
+    )
+    parser.add_argument(
+        "--workers", type=int, default=2, help="processes for closed-loop, fusion, calibration and simulation (default 2)"
     )
     parser.add_argument("--cameras", nargs="*", help="calibration: presets (default all)")
     parser.add_argument(

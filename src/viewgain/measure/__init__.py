@@ -6,7 +6,7 @@ from viewgain.measure._fit import marginal as marginal
 from viewgain.measure._fuse import POSE_SIGMA as POSE_SIGMA
 from viewgain.measure._fuse import fuse as fuse
 from viewgain.measure._fuse import fuse_measurements as fuse_measurements
-from viewgain.measure._fuse import pose_precision as pose_precision
+from viewgain.measure._joint import pose_precision as pose_precision
 from viewgain.measure._measure import measure as measure
 from viewgain.measure._measure import sensor_of as sensor_of
 from viewgain.measure._range_image import range_image as range_image

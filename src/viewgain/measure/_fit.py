@@ -83,13 +83,17 @@ def marginal(information: Array, systematic: Array, pose_precision: Array | None
     return information - absorbed @ information[:6], systematic - absorbed @ systematic[:6]
 
 
-def refine(box: Box, views: tuple[View, ...], schedule: tuple[Softness, ...], steps: int) -> Fit:
+def refine(
+    box: Box, views: tuple[View, ...], schedule: tuple[Softness, ...], steps: int, corrections: Array | None = None
+) -> Fit:
     """Return the box after up to ``steps`` damped scoring steps at each level of ``schedule``.
+
+    ``corrections`` are the (views, 6) pose errors to start from, zero if not given.
 
     The prior on each extent is log-uniform (scale-free): its pull is far below the data's wherever the data speak, and where
     nothing bounds an extent from above it leaves it at its lower bound.
     """
-    fit = _evaluated(box, np.zeros((len(views), 6)), views, schedule[0])
+    fit = _evaluated(box, np.zeros((len(views), 6)) if corrections is None else corrections, views, schedule[0])
     for level, softness in enumerate(schedule):
         if level:
             fit = _evaluated(fit.box, fit.corrections, views, softness)

@@ -179,6 +179,9 @@ class Measurement:
     """Pose of the (last) scan's camera, where it was given."""
     notes: tuple[str, ...] = ()
     """What the reader decided about the scans, for the user to check."""
+    camera_poses: tuple[Pose | None, ...] = ()
+    """Scans fused without poses: the pose of each one's camera in the frame of the boxes, as the joint fit has it (None for a
+    scan that shares no box with the others); else empty."""
 
     @property
     def candidates(self) -> tuple[BoxEstimate, ...]:
