@@ -178,6 +178,16 @@ class Sensor:
         """Return the (k,) standard deviation of whole edges, pixels, of faces seen under these cosines of incidence."""
         return np.asarray(self.edge_sd_px + self.lost_edge_sd_px * self.loss(cosine))
 
+    def systematic_shapes(self, ranges: Array) -> Array:
+        """Return (n, 4): how ranges err together, as functions of the range: scale, offset, and a wave of unknown phase."""
+        turn = 2 * np.pi / self.wiggle_period * ranges
+        return np.stack([ranges, np.ones(len(ranges)), np.sin(turn), np.cos(turn)], axis=1)
+
+    @property
+    def systematic_sd(self) -> Array:
+        """(4,) standard deviation of each shape's amplitude: relative, then metres; of a wave, its root mean square."""
+        return np.array([self.scale_sd, self.offset_sd, self.wiggle / np.sqrt(2), self.wiggle / np.sqrt(2)])
+
     def true_ranges(self, ranges: Array) -> Array:
         """Return reported ranges, metres, without the camera's known scale and offset error."""
         return ranges if self.scale == self.offset == 0 else np.asarray((ranges - self.offset) / (1 + self.scale))

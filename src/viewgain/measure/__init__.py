@@ -17,5 +17,7 @@ from viewgain.measure._result import Measurement as Measurement
 from viewgain.measure._result import Rejected as Rejected
 from viewgain.measure._uncertainty import LOOSE_PRIOR as LOOSE_PRIOR
 from viewgain.measure._uncertainty import PRIOR_EXTENT as PRIOR_EXTENT
+from viewgain.measure._uncertainty import SYSTEMATIC as SYSTEMATIC
 from viewgain.measure._uncertainty import Knowledge as Knowledge
+from viewgain.measure._uncertainty import common_shift as common_shift
 from viewgain.measure._uncertainty import without_edge_bias as without_edge_bias

@@ -1,8 +1,8 @@
 """What scans of a box of known size say about one camera's systematic error: scale and offset of its ranges (ours).
 
 A scale or offset error of all ranges moves the measured extents by a known amount (the systematic gradient of the likelihood
-carried through its information). With the true extents given, that is a linear model of two unknowns, and the error's posterior is
-normal: prior from the camera's data sheet, one row per bounded extent.
+carried through its information). With the true extents given, that is a linear model of two unknowns, and the error's posterior
+is normal: prior from the camera's data sheet, one row per bounded extent.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
 from viewgain.measure._measure import measure
 from viewgain.measure._result import BoxEstimate
-from viewgain.measure._uncertainty import LOOSE_PRIOR
+from viewgain.measure._uncertainty import COMMON_EDGES, LOOSE_PRIOR
 from viewgain.scans import Scan
 
 OTHER_BOX = 6.0
@@ -108,11 +108,12 @@ def _rows(scan: Scan, dims: Vector3, camera: Sensor, floor: Scan | None) -> _Row
     closed = np.flatnonzero(~np.array(box.is_open))
     spread = np.linalg.inv(box.knowledge.information + LOOSE_PRIOR)
     response = (spread @ box.knowledge.systematic)[6:][closed]
-    noise = (box.knowledge.inflation * camera.spread**2 * spread[6:, 6:])[np.ix_(closed, closed)]
+    others = response[:, 2:] * (*camera.systematic_sd[2:], COMMON_EDGES)
+    noise = (box.knowledge.inflation * camera.spread**2 * spread[6:, 6:])[np.ix_(closed, closed)] + others @ others.T
     truth = _matched(box, dims)
     error = (box.box.extents - truth)[closed]
     _check(scan, box, error / np.sqrt(np.diag(box.covariance)[6:][closed]), dims)
-    return _Rows(error, response, noise)
+    return _Rows(error, response[:, :2], np.asarray(noise, dtype=float))
 
 
 def _matched(box: BoxEstimate, dims: Vector3) -> Vector3:

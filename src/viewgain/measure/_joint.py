@@ -17,14 +17,10 @@ from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._pixels import thinned
 from viewgain.measure._quality import FaceView, Quality, face_views, flags, on_faces
 from viewgain.measure._result import BoxEstimate
-from viewgain.measure._uncertainty import LOOSE_PRIOR, Knowledge, correlation_factor, extent_interval, without_edge_bias
+from viewgain.measure._uncertainty import SYSTEMATIC, Knowledge, believed, correlation, extent_interval
 
 UNKNOWN_POSE = np.diag([1e-6] * 6)
 """(6, 6) precision of the pose of a camera that could stand anywhere: 1000 rad, 1000 m."""
-COMMON_EDGES = 1.0
-"""Share of the standard deviation of edge shifts that all edges of all views have in common: one camera mixes its pixels, and
-loses its grazing returns, in every view alike, so these errors do not average out. Chosen on development seeds (docs/fusing.md).
-"""
 _COARSE_PIXELS = 1500
 _CONTRADICTION = 0.99
 
@@ -88,11 +84,11 @@ def estimate_of(fit: Fit, parts: list[BoxEstimate], reference_precision: Array |
         reference_precision: (6, 6) precision of the reference camera's own pose error, box frame; None where the other poses
             are relative to it.
     """
-    known, edges = _knowledge(fit, reference_precision)
-    spread = known.covariance(fit.views[0].sensor) + edges
+    known = _knowledge(fit, reference_precision)
+    spread = known.covariance(fit.views[0].sensor)
     spread[6:, 6:] += np.diag(_disagreement(fit, parts))
     quality = _quality(fit, parts)
-    x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut) for axis in range(3))
+    x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut, spanned=quality.spans(axis)) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     touching = any("touching" in part.flags for part in parts)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
@@ -117,43 +113,25 @@ def _disagreement(fit: Fit, parts: list[BoxEstimate]) -> Array:
     return np.where(misfit > chdtri(np.maximum(count - 1, 1), 1 - _CONTRADICTION), between / count, 0.0)
 
 
-def _knowledge(fit: Fit, reference_precision: Array | None) -> tuple[Knowledge, Array]:
-    """Return what the views say together, and the (9, 9) covariance that edge shifts common to all of them cause.
+def _knowledge(fit: Fit, reference_precision: Array | None) -> Knowledge:
+    """Return what the views say together.
 
     The other views tell of the box only as far as they tell where the reference camera is: its pose error is integrated out of
     their sum, for they share it; each one's own pose error out of each one's part (two nested Schur complements).
     """
     own, others = _nothing(), _nothing()
     for view, evaluation in zip(fit.views, fit.evaluations, strict=True):
-        information, gradients = marginal(*_believed(view, evaluation), view.pose_precision)
+        information, gradients = marginal(*believed(view, evaluation), view.pose_precision)
         told = own if view.pose_precision is None else others
         told[0][:] += information
         told[1][:] += gradients
     far = marginal(*others, reference_precision)
     information, gradients = own[0] + far[0], own[1] + far[1]
-    factors = [correlation_factor(e, v.pixels) for e, v in zip(fit.evaluations, fit.views, strict=True)]
-    known = Knowledge(information, gradients[:, :2], float(np.mean(np.array(factors))))
-    return known, _rank_one(known, COMMON_EDGES * gradients[:, 2])
+    return Knowledge(information, gradients, correlation(fit))
 
 
 def _nothing() -> tuple[Array, Array]:
-    return np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 3))
-
-
-def _believed(view: View, evaluation: Evaluation) -> tuple[Array, Array]:
-    """Return one view's (9, 9) information, and its (9, 3) gradients for scale, offset and one sigma of shift of all its edges.
-
-    Each edge's own shift is integrated out of the information; of a shift d that leaves d / (1 + precision sigma^2).
-    """
-    sigma = view.sensor.edge_sigma(evaluation.edge_cosine)
-    free = without_edge_bias(evaluation.information, evaluation.edge_pull, evaluation.edge_precision, sigma)
-    left = sigma / (1 + evaluation.edge_precision * sigma**2)
-    return free, np.column_stack([evaluation.systematic, left @ evaluation.edge_pull])
-
-
-def _rank_one(known: Knowledge, gradient: Array) -> Array:
-    response = np.linalg.inv(known.information + LOOSE_PRIOR) @ gradient
-    return np.asarray(np.outer(response, response))
+    return np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))
 
 
 def _quality(fit: Fit, parts: list[BoxEstimate]) -> Quality:

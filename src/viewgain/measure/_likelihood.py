@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import log_ndtr
 
-from viewgain.arrays import Array, Indices
+from viewgain.arrays import Array
 from viewgain.box import PARAMETERS, PLANE_NORMALS, Box, Hits, edge_cosines, edge_end_jacobians, range_jacobian_factors
 from viewgain.camera import Sensor
 from viewgain.measure._mixture import FLYING_REACH, Mixture, Pixels, Softness, Surface, mix
@@ -32,7 +32,7 @@ class Evaluation:
     information: Array
     """(9, 9) its negative curvature (positive semi-definite approximation)."""
     systematic: Array
-    """(9, 2) gradient caused by a unit relative scale error and by a unit offset (metre) of all ranges."""
+    """(9, 4) gradient caused by one unit of each systematic error of the ranges (Sensor.systematic_shapes)."""
     edge_pull: Array
     """(k, 9) gradient caused by each edge of the outline being shown one pixel too far out."""
     edge_precision: Array
@@ -46,7 +46,9 @@ class Evaluation:
     def readings(self) -> Array:
         """(6,) how many range readings lie on each plane of the box."""
         own = self.mixture.box
-        return np.bincount(own.hits.planes, self.mixture.on_box * own.gauss, minlength=len(PLANE_NORMALS))
+        return np.asarray(
+            np.bincount(own.hits.planes, self.mixture.on_box * own.gauss, minlength=len(PLANE_NORMALS)), dtype=float
+        )
 
     @property
     def edge_cosine(self) -> Array:
@@ -86,7 +88,7 @@ class _Sums:
     information: Array
     """(9, 9)."""
     systematic: Array
-    """(9, 2) for ranges."""
+    """(9, 4) for ranges."""
 
 
 def log_likelihood(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness) -> float:
@@ -106,8 +108,8 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
     """
     mixture = mix(box, pixels, sensor, noise, softness)
     # A face that should have lost a return did not give it: so far what it reports was mixed in from elsewhere.
-    faces = _readings(box, pixels, mixture.box, mixture.on_box * (1 - sensor.loss(mixture.box.hits.cosine)), np.inf)
-    floor = _readings(box, pixels, mixture.floor, mixture.on_floor, pixels.horizon)
+    faces = _readings(box, pixels, mixture.box, mixture.on_box * (1 - sensor.loss(mixture.box.hits.cosine)), sensor, np.inf)
+    floor = _readings(box, pixels, mixture.floor, mixture.on_floor, sensor, pixels.horizon)
 
     slope, curvature = _edge_terms(mixture, softness.edge)
     edge, along = mixture.edges.edge[mixture.band.at], mixture.edges.along[mixture.band.at]
@@ -130,7 +132,7 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
     )
 
 
-def _readings(box: Box, pixels: Pixels, surface: Surface, probability: Array, horizon: float) -> _Sums:
+def _readings(box: Box, pixels: Pixels, surface: Surface, probability: Array, sensor: Sensor, horizon: float) -> _Sums:
     """Return the evidence of the range readings on one surface, plane by plane.
 
     Readings near the ``horizon`` are left out: beyond it nothing comes back, so of those just before it only the short ones
@@ -142,9 +144,8 @@ def _readings(box: Box, pixels: Pixels, surface: Surface, probability: Array, ho
     directions, ranges = pixels.directions[at], pixels.ranges[at]
     sigma = surface.sigma[used]
     precision = responsibility[used] / sigma**2
-    gradient, information, systematic = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
-    response = np.empty((len(used), 3))
-    response[:, 0], response[:, 1], response[:, 2] = surface.z[used] * sigma, ranges, 1.0
+    gradient, information, systematic = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 4))
+    response = np.column_stack([surface.z[used] * sigma, sensor.systematic_shapes(ranges)])
     for mine, local, basis in range_jacobian_factors(box, directions, hits):
         weighted = local * precision[mine]
         pushed = basis.T @ (weighted @ response[mine])

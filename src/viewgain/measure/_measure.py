@@ -173,9 +173,7 @@ def with_uncertainty(fit: Fit, quality: Quality, *, touching: bool) -> BoxEstima
     """Return the finished estimate of a fit: covariance, intervals, flags."""
     known = knowledge(fit)
     spread = known.covariance(fit.views[0].sensor)
-    x, y, z = (
-        extent_interval(axis, fit, known, spread, cut=quality.cut, spanned=quality.spans(axis)) for axis in range(3)
-    )
+    x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut, spanned=quality.spans(axis)) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
 

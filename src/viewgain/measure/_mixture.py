@@ -3,8 +3,8 @@
 A pixel's ray sees the box with probability Phi(s / w), where s is its signed distance to the box's outline in pixels and w the
 blur, and the floor (or clutter) otherwise. Each has a density for the range that comes back and a chance that none does; on the
 outline itself a pixel may also mix the two. Where floor and face have the same range the mixture cannot tell them apart, so the
-contact line says nothing about the outline, by itself (ours). Beyond six blurs of the outline only one of the two is possible, and
-only that one is worked out.
+contact line says nothing about the outline, by itself (ours). Beyond six blurs of the outline only one of the two is possible,
+and only that one is worked out.
 """
 
 from dataclasses import dataclass, replace
@@ -34,6 +34,8 @@ LOST_BEYOND = 0.9
 """Chance that the floor brings nothing back from beyond the farthest return of the scan."""
 HORIZON_BLUR = 0.03
 """How gradually that sets in, as a share of the farthest range."""
+FAR = 1e3
+"""Stands for a surface that a ray never meets, metres."""
 LEAST_DENSITY = 1e-12
 """No reading is held for less likely than this, per metre."""
 BAND = 6.0
@@ -205,7 +207,7 @@ def bloom(near: Surface, inner: Hits, far: Surface, sensor: Sensor) -> Array:
     """
     if sensor.kind != "tof" or sensor.footprint_px == 0:
         return np.zeros(len(near.sigma))
-    front, back = np.minimum(near.hits.ranges, 1e3), np.minimum(far.hits.ranges, 1e3)
+    front, back = np.minimum(near.hits.ranges, FAR), np.minimum(far.hits.ranges, FAR)
     a, b = np.maximum(near.hits.cosine, inner.cosine) * back**2, far.hits.cosine * front**2
     told = np.maximum(sensor.flying_filter * front, _TOLD_APART * near.sigma)
     t = np.clip(told / np.maximum(np.abs(back - front), 1e-6), 0.0, 0.5)
@@ -222,7 +224,7 @@ def _faces(box: Box, pixels: Pixels, at: Indices, sensor: Sensor, noise: float, 
 def _ground(box: Box, pixels: Pixels, at: Indices, sensor: Sensor, noise: float, softness: Softness) -> Surface:
     """Return the floor as the pixels ``at`` may have seen it."""
     hits = floor_hits(box, pixels.directions[at])
-    beyond = ndtr((np.minimum(hits.ranges, 1e3) / pixels.horizon - 1) / HORIZON_BLUR)
+    beyond = ndtr((np.minimum(hits.ranges, FAR) / pixels.horizon - 1) / HORIZON_BLUR)
     lost = LOST_FAR[0] + LOST_FAR[1] * sensor.loss(hits.cosine)
     return _surface(pixels, at, hits, sensor, noise, softness, lost + beyond * np.maximum(LOST_BEYOND - lost, 0.0), CLUTTER)
 
@@ -231,7 +233,7 @@ def _surface(
     pixels: Pixels, at: Indices, hits: Hits, sensor: Sensor, noise: float, softness: Softness, lost: Array, stray: float
 ) -> Surface:
     """Return one surface's density: a Gaussian about its range, uniform strays, and the chance of no return."""
-    predicted = np.minimum(hits.ranges, 1e3)
+    predicted = np.minimum(hits.ranges, FAR)
     sigma = noise * sensor.range_sigma(np.minimum(predicted, 10.0), hits.cosine)
     if softness.extra_sigma:
         sigma = np.hypot(sigma, softness.extra_sigma)
@@ -260,7 +262,8 @@ def _overruled(surface: Surface, by_other: Mask) -> Surface:
 
 def _mixed_density(ranges: Array, faces: Surface, in_box: Indices, floor: Array) -> Array:
     """Return the (k,) density of a mixed pixel: uniform between the surfaces, blurred by the noise; an even chance of nothing."""
-    face, sigma = faces.hits.ranges[in_box], faces.sigma[in_box]
+    face, sigma = np.minimum(faces.hits.ranges[in_box], FAR), faces.sigma[in_box]
+    floor = np.minimum(floor, FAR)
     low = np.minimum(face, floor)
     high = np.clip(np.maximum(face, floor), low, np.maximum(low, SPAN))
     between = ndtr((ranges - low) / sigma) * ndtr((high - ranges) / sigma)

@@ -7,7 +7,7 @@ import numpy as np
 from viewgain.arrays import Array
 from viewgain.box import PARAMETERS
 from viewgain.camera import Sensor
-from viewgain.measure._fit import SHARP, Fit, marginal, value_at
+from viewgain.measure._fit import SHARP, Fit, View, marginal, value_at
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
 
@@ -18,6 +18,11 @@ OPEN_SHARE = 0.15
 OPEN_TEMPER = 0.2
 """Share of its log likelihood that an open dimension's profile is believed: it rests on missing returns, whose chances a sensor
 model knows only roughly, and on other parameters held to a straight ridge."""
+SYSTEMATIC = 5
+"""How many errors all pixels share: scale, offset and wave (two phases) of the ranges, and the shift of edges."""
+COMMON_EDGES = 0.6
+"""Share of the standard deviation of edge shifts that all edges of all views have in common: one camera mixes its pixels, and
+loses its grazing returns, alike everywhere, so these errors do not average out. Chosen on development seeds (docs/fusing.md)."""
 Z90 = 1.6448536269514722
 """Half-width of a 90 % normal interval, in standard deviations."""
 LOOSE_PRIOR = np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0])
@@ -45,7 +50,7 @@ class Knowledge:
     information: Array
     """(9, 9) information, as if noise were independent from pixel to pixel."""
     systematic: Array
-    """(9, 2) gradient caused by a unit scale error and a unit offset (metre) of all ranges."""
+    """(9, 5) gradient caused by one unit of each systematic error of the ranges, and by one sigma of shift of all edges."""
     inflation: float = 1.0
     """Variance over what independent noise would give (:func:`correlation_factor`)."""
 
@@ -59,25 +64,46 @@ class Knowledge:
         """Return the (9, 9) covariance of the box: noise, inflated, plus systematic error.
 
         With information L, inflation k, the camera's learned spread c and systematic gradient S the covariance is
-        k c^2 L^-1 + L^-1 S diag(sd^2) S^T L^-1 (ours).
+        k c^2 L^-1 + L^-1 S diag(sd^2) S^T L^-1 (ours); the shift that all edges share has standard deviation one.
         A loose prior (1 rad, 0.5 m) keeps directions finite that no view fixes.
         """
         spread = np.linalg.inv(self.information + LOOSE_PRIOR)
-        response = spread @ self.systematic * (sensor.scale_sd, sensor.offset_sd)
+        response = spread @ self.systematic * (*sensor.systematic_sd, COMMON_EDGES)
         return np.asarray(self.inflation * sensor.spread**2 * spread + response @ response.T)
 
 
 def knowledge(fit: Fit) -> Knowledge:
     """Return what the views of a fit say about its box, with edge and pose errors integrated out."""
-    information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
+    information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))
     for view, evaluation in zip(fit.views, fit.evaluations, strict=True):
-        edge_sigma = view.sensor.edge_sigma(evaluation.edge_cosine)
-        free = without_edge_bias(evaluation.information, evaluation.edge_pull, evaluation.edge_precision, edge_sigma)
-        added, shared = marginal(free, evaluation.systematic, view.pose_precision)
+        added, shared = marginal(*believed(view, evaluation), view.pose_precision)
         information += added
         systematic += shared
+    return Knowledge(information, systematic, correlation(fit))
+
+
+def believed(view: View, evaluation: Evaluation) -> tuple[Array, Array]:
+    """Return one view's (9, 9) information, and its (9, 5) gradients for what all its pixels, or all its edges, share.
+
+    Each edge's own shift is integrated out of the information; of a shift d that leaves d / (1 + precision sigma^2).
+    """
+    sigma = view.sensor.edge_sigma(evaluation.edge_cosine)
+    free = without_edge_bias(evaluation.information, evaluation.edge_pull, evaluation.edge_precision, sigma)
+    return free, np.column_stack([evaluation.systematic, common_shift(evaluation.edge_pull, evaluation.edge_precision, sigma)])
+
+
+def common_shift(edge_pull: Array, edge_precision: Array, edge_sigma: Array) -> Array:
+    """Return the (9,) gradient that is left of one sigma of shift of all edges once each edge's own shift is integrated out.
+
+    The arguments are those of :func:`without_edge_bias`.
+    """
+    return np.asarray((edge_sigma / (1 + edge_precision * edge_sigma**2)) @ edge_pull)
+
+
+def correlation(fit: Fit) -> float:
+    """Return the mean over the views of a fit of :func:`correlation_factor`."""
     factors = [correlation_factor(e, v.pixels) for e, v in zip(fit.evaluations, fit.views, strict=True)]
-    return Knowledge(information, systematic, float(np.mean(np.array(factors))))
+    return float(np.mean(np.array(factors)))
 
 
 def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Array, edge_sigma: Array) -> Array:

@@ -28,7 +28,7 @@ from viewgain.box import (
 )  # fmt: skip
 from viewgain.camera import Sensor
 from viewgain.geometry import inverse, transform
-from viewgain.measure import Knowledge, without_edge_bias
+from viewgain.measure import SYSTEMATIC, Knowledge, common_shift, without_edge_bias
 
 EDGE_INFORMATION = 1.81
 """Integral of phi^2 / (Phi (1 - Phi)): Fisher information about a probit edge, per pixel of edge length and unit softness."""
@@ -80,7 +80,7 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
         Information zero and no faces where the box lies behind the camera or out of range.
     """
     seen = box.in_frame(inverse(camera_to_current))
-    information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 2))
+    information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))
     if np.any(seen.corners()[:, 2] < 0.05):
         return Prediction(Knowledge(information, systematic), (), True)
     sights = []
@@ -89,7 +89,9 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
         sights += [Sight(FACES[face], float(np.arccos(hits.cosine.mean())), float(weight.sum()))] if len(points) else []
         _add_ranges(seen, points, hits, weight, sensor, noise, information, systematic)
     _add_ranges(seen, *_floor_samples(seen, sensor), sensor, noise, information, systematic)
-    information += _edge_information(seen, sensor, noise)
+    edges, shift = _edge_information(seen, sensor, noise)
+    information += edges
+    systematic[:, -1] += shift
     u, v = sensor.intrinsics.project(seen.corners()).T
     camera = sensor.intrinsics
     cut = bool(np.any((u < 0) | (v < 0) | (u > camera.width - 1) | (v > camera.height - 1)))
@@ -103,11 +105,14 @@ def _add_ranges(
     jacobian = range_jacobian(box, rays, hits)
     precision = weight / (noise * sensor.range_sigma(hits.ranges, hits.cosine)) ** 2
     information += (jacobian.T * precision) @ jacobian
-    systematic += (jacobian.T * precision) @ np.stack([hits.ranges, np.ones(len(rays))], axis=1)
+    systematic[:, :-1] += (jacobian.T * precision) @ sensor.systematic_shapes(hits.ranges)
 
 
-def _edge_information(box: Box, sensor: Sensor, noise: float) -> Array:
-    """Return the evidence of the outline: per pixel of its length, as far as box and background can be told apart there."""
+def _edge_information(box: Box, sensor: Sensor, noise: float) -> tuple[Array, Array]:
+    """Return the evidence of the outline, and the gradient of one sigma of shift of all its edges.
+
+    The evidence is per pixel of its length, as far as box and background can be told apart there.
+    """
     shape = outline(box)
     edges = np.repeat(np.arange(len(shape.vertices)), _EDGE_SAMPLES)
     along = np.tile((np.arange(_EDGE_SAMPLES) + 0.5) / _EDGE_SAMPLES, len(shape.vertices))
@@ -125,7 +130,9 @@ def _edge_information(box: Box, sensor: Sensor, noise: float) -> Array:
     jacobian = edge_jacobian(box, shape, EdgeDistances(np.zeros(len(edges)), edges, along)) * sensor.intrinsics.fx
     pull = (jacobian * weight[:, None]).reshape(-1, _EDGE_SAMPLES, PARAMETERS).sum(axis=1)
     precision = weight.reshape(-1, _EDGE_SAMPLES).sum(axis=1)
-    return without_edge_bias((jacobian.T * weight) @ jacobian, pull, precision, sensor.edge_sigma(edge_cosines(box, shape)))
+    sigma = sensor.edge_sigma(edge_cosines(box, shape))
+    free = without_edge_bias((jacobian.T * weight) @ jacobian, pull, precision, sigma)
+    return free, common_shift(pull, precision, sigma)
 
 
 def _face_samples(box: Box, face: int, sensor: Sensor) -> tuple[Points, Hits, Array]:
