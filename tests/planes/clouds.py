@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 
 def three_faces(dims: Array, pose: Array, *, pitch: float = 0.01, offset: float = 0.0) -> Cloud:
-    """Return the cloud of the faces x = 0, y = 0, z = 0 of a box from the origin to ``dims``, moved by ``pose``, with true normals."""
+    """Return the cloud of the faces x = 0, y = 0, z = 0 of a box moved by ``pose``, with their true normals."""
     points, normals = [], []
     for axis in range(3):
         one, other = (k for k in range(3) if k != axis)

@@ -97,7 +97,7 @@ def test_the_joint_refinement_finds_the_true_planes_from_a_few_degrees_and_centi
     axes = pose[:3, :3].T @ rotation_from_rotvec(np.array([0.06, -0.05, 0.04])).T
     start = Planes(axes, np.arange(3), -axes @ pose[:3, 3] + 0.02, np.array([[0, 1], [0, 2], [1, 2]]))
     planes = refined(start, cloud, replace(AS_PUBLISHED, normal_gate=0.5))
-    np.testing.assert_allclose(planes.normals, -(-pose[:3, :3].T), atol=1e-3)
+    np.testing.assert_allclose(planes.normals, pose[:3, :3].T, atol=1e-3)
     np.testing.assert_allclose(planes.offsets, -pose[:3, :3].T @ pose[:3, 3], atol=1e-3)
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.oracles.scenes import read_bench
+from tests.oracles.scenes import BenchScan, read_bench
 from tests.planes.clouds import seen_corner, three_faces
 from viewgain.errors import ConfigError
 from viewgain.geometry import rotation_from_rotvec
@@ -66,7 +66,7 @@ def test_the_json_form_has_no_error_bars_and_is_json() -> None:
     assert answer["schema"] == 1
 
 
-SWITCHES = [name for name in Settings.__dataclass_fields__ if getattr(AS_PUBLISHED, name) is False]
+SWITCHES = [name for name in Settings.__dataclass_fields__ if getattr(AS_PUBLISHED, name) is False and name != "signed_merge"]
 
 
 def nothing_like_a_box() -> dict[str, Scan]:
@@ -124,15 +124,14 @@ def test_mended_measures_what_is_published_misses(some: list) -> None:
 
 @pytest.mark.parametrize("switch", SWITCHES)
 def test_every_switch_changes_what_is_measured_somewhere(switch: str, some: list) -> None:
-    """Turned off in the mended settings it changes at least one of four scans, if only by the planes found."""
-    chosen = MENDED.using("corners")
-    off = replace(chosen, **{switch: False})
+    """Turned off in the mended settings, or on in the published ones; signed_merge alone has a law of its own."""
+    mended, published = MENDED.using("corners"), AS_PUBLISHED.using("corners")
+    pairs = ((mended, replace(mended, **{switch: False})), (published, replace(published, **{switch: True})))
 
-    def outcome(bench, settings):
-        result = measure_lines(bench.scan, settings)
-        return result.offsets.tolist(), result.segments.tolist(), None if result.corner is None else result.corner.tolist()
+    def outcome(bench: BenchScan, chosen: Settings) -> dict[str, object]:
+        return {**measure_lines(bench.scan, chosen).to_dict(), "settings": None}
 
-    assert any(outcome(bench, chosen) != outcome(bench, off) for bench in some[:6])
+    assert any(outcome(bench, one) != outcome(bench, other) for one, other in pairs for bench in some[:8])
 
 
 @pytest.mark.parametrize("name", ["vedere1_small_box.ply", "vedere1.pcd", "vedere2.pcd", "vedere1_large_box.ply"])

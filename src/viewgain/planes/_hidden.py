@@ -4,34 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 
-from viewgain.planes._cloud import Cloud
-from viewgain.planes._lines import line_segments
+from viewgain.planes._lines import Segments
 from viewgain.planes._parallel import Planes
-from viewgain.planes._settings import Settings
 
 
-def with_hidden_sides(planes: Planes, cloud: Cloud, settings: Settings) -> Planes:
-    """Return the planes; with two hidden ones if they have two directions only.
+def with_hidden_sides(planes: Planes, segments: Segments) -> Planes:
+    """Return the planes of the two directions whose line has the most points, and two hidden ones across them.
 
     A side seen under more than 70 degrees loses its returns, or is a row of pixels. But the faces next to it end on it: the line
-    on which they meet begins and ends in planes at right angles to it. The line with the most points is taken.
+    on which they meet begins and ends in planes at right angles to it.
 
     Args:
-        planes: The planes found.
-        cloud: The points.
-        settings: As for :func:`line_segments`.
+        planes: The planes found; those along other directions made no corner and go.
+        segments: The lines on which they meet, at least one.
     """
-    if len(planes.normals) != 2:
-        return planes
-    segments = line_segments(planes, cloud, settings)
-    if len(segments) == 0:
-        return planes
     best = int(np.argmax(segments.support))
     across = segments.directions[best]
+    own = planes.kept(np.isin(planes.direction, planes.direction[segments.planes[best]]))
     return replace(
-        planes,
-        normals=np.concatenate([planes.normals, across[None]]),
-        direction=np.append(planes.direction, [2, 2]),
-        offsets=np.append(planes.offsets, -segments.ends[best] @ across),
+        own,
+        normals=np.concatenate([own.normals, across[None]]),
+        direction=np.append(own.direction, [2, 2]),
+        offsets=np.append(own.offsets, -segments.ends[best] @ across),
         hidden=2,
     )

@@ -38,6 +38,10 @@ def measure_lines(scan: Scan, settings: Settings = MENDED, *, rng: np.random.Gen
     planes = find_planes(cloud, settings, rng=np.random.default_rng(settings.seed) if rng is None else rng)
     segments = line_segments(planes, cloud, settings)
     triplet = best_triplet(segments, planes, cloud, settings)
+    if triplet is None and settings.hidden_sides and len(segments):
+        planes = with_hidden_sides(planes, segments)
+        segments = line_segments(planes, cloud, settings)
+        triplet = best_triplet(segments, planes, cloud, settings)
     return _result(scan, settings, cloud, planes, segments, triplet)
 
 
@@ -52,8 +56,7 @@ def find_planes(cloud: Cloud, settings: Settings, *, rng: np.random.Generator) -
     if settings.complete:
         planes = completed(planes, cloud, settings)
     planes = refined(planes, cloud.every(round(_FINAL_STRIDE * settings.stride)), settings.at_last())
-    planes = filtered(planes, cloud, settings.at_last())
-    return with_hidden_sides(planes, cloud, settings) if settings.hidden_sides else planes
+    return filtered(planes, cloud, settings.at_last())
 
 
 def _result(

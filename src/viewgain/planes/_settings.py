@@ -97,7 +97,7 @@ class Settings:
     complete: bool = False
     """Mend: faces along the box's three directions that won no votes are added where points agree on an offset."""
     hidden_sides: bool = False
-    """Mend: where only two of the box's directions are seen, the sides across the third are where the two others' line ends."""
+    """Mend: where three planes make no corner, the sides that are not seen are where the line of two seen ones ends."""
     by_support: bool = False
     """Mend: of the triplets within ``max_gap`` the one with the most points wins. Published (in our reading): the least gap."""
     convex_only: bool = False
