@@ -12,8 +12,10 @@ from scipy.spatial import cKDTree
 from tests.planes.clouds import seen_corner, three_faces
 from viewgain.geometry import rotation_from_rotvec
 from viewgain.planes import AS_PUBLISHED, MENDED
+from viewgain.planes._cloud import Cloud
 from viewgain.planes._corners import fitted_corner, meeting_point
 from viewgain.planes._ends import half_density_ends, raw_ends
+from viewgain.planes._lines import line_segments
 from viewgain.planes._normals import cloud_normals, image_normals, least_eigenvector
 from viewgain.planes._parallel import Planes, merged
 from viewgain.planes._refine import refined
@@ -119,3 +121,15 @@ def test_soft_ends_are_where_points_end_whatever_the_noise_and_strays(noise: flo
     along = np.concatenate([rng.uniform(0.1, 0.5, 4000) + rng.normal(0, noise, 4000), rng.uniform(-0.2, 0.8, 40)])
     np.testing.assert_allclose(half_density_ends(along, np.ones(len(along))), (0.1, 0.5), atol=0.004)
     assert raw_ends(along)[0] < 0.0
+
+
+def test_planes_whose_points_do_not_overlap_make_a_reversed_segment_only_as_published() -> None:
+    along = np.linspace(0, 0.2, 50)
+    one = np.column_stack([np.zeros(50), np.full(50, 0.01), 1.0 + along])
+    other = np.column_stack([np.full(50, 0.01), np.zeros(50), 1.5 + along])
+    cloud = Cloud(np.concatenate([one, other]), np.repeat(np.eye(3)[:2], 50, axis=0))
+    planes = Planes(np.eye(3)[:2], np.arange(2), np.zeros(2), np.empty((0, 2), dtype=int))
+    published = line_segments(planes, cloud, AS_PUBLISHED)
+    np.testing.assert_allclose(published.lengths, 0.3, atol=1e-9)
+    assert published.high[0] < published.low[0]
+    assert len(line_segments(planes, cloud, replace(AS_PUBLISHED, forward_only=True))) == 0
