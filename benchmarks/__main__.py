@@ -3,10 +3,11 @@
 import argparse
 from pathlib import Path
 
-from benchmarks import accuracy, calibration, closed_loop, fusion, multipath, published_noise, real, real_tof, simulation
+from benchmarks import accuracy, calibration, closed_loop, fusion, lines, multipath, published_noise, real, real_tof, simulation
 
 BENCHMARKS = {
     "accuracy": accuracy.run,
+    "lines": lines.run,
     "closed-loop": closed_loop.run,
     "fusion": fusion.run,
     "real": real.run,
