@@ -25,6 +25,8 @@ _TILT_TARGET = np.deg2rad(7.0)
 _MIN_PATCH = 30
 _MIN_SHARE = 0.35
 _PREFER_CENTRE = 0.7
+_ALL = slice(None)
+_NEIGHBOURS = (((_ALL, slice(None, -1)), (_ALL, slice(1, None))), ((slice(None, -1), _ALL), (slice(1, None), _ALL)))
 
 
 class Facing(Enum):
@@ -93,7 +95,8 @@ def patches(image: RangeImage, mask: Mask, floor: Floor, sensor: Sensor, placing
     inverse = np.where(inside, 1 / (image.ranges[window] * rays[..., 2]), 0.0)
     at = np.concatenate([rays[..., :2] / rays[..., 2:], np.ones((*inside.shape, 1))], axis=-1)
     planes = _sharpest(_window_planes(inverse, at, inside, half), half)
-    labels, count = _linked(planes, inverse, at, inside, placing[:3, 2], sigma / half)
+    labels, facing = _linked(planes, at, inside, placing, sigma / half)
+    labels, count = _solid(labels, facing, half)
     labels = _grown(labels, count, inverse, at, inside, sigma, half)
     rows, columns = np.nonzero(labels)
     pixels = (rows + window[0].start) * image.ranges.shape[1] + columns + window[1].start
@@ -157,34 +160,63 @@ def _shifted(values: Array, down: int, across: int, fill: float) -> Array:
     return moved
 
 
-def _linked(
-    planes: _Planes, inverse: Image, at: Array, inside: Mask, up: Vector3, sigma: Image
-) -> tuple[Indices, int]:
-    """Return (h, w) labels of connected pixels whose planes agree in tilt and place, and their number."""
+def _linked(planes: _Planes, at: Array, inside: Mask, placing: Array, sigma: Image) -> tuple[Indices, Indices]:
+    """Return (h, w) labels of connected pixels whose planes agree in tilt and place, and the facing of each pixel."""
     length = np.linalg.norm(planes.coefficients, axis=-1)
     normal = -planes.coefficients / np.maximum(length, 1e-12)[..., None]
-    facing = _facing(normal @ up)
+    facing = _sorted_by_yaw(normal, _facing(normal @ placing[:3, 2]), inside, placing)
     own = np.sum(planes.coefficients * at, axis=-1)
     usable = inside & np.isfinite(planes.variance) & (own > 0)
     index = np.arange(inside.size).reshape(inside.shape)
     pairs = []
-    for first, second in (((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
-                          ((slice(None, -1), slice(None)), (slice(1, None), slice(None)))):  # fmt: skip
+    for first, second in _NEIGHBOURS:
         alike = np.sum(normal[first] * normal[second], axis=-1) > _SAME_NORMAL
         other = np.sum(planes.coefficients[second] * at[first], axis=-1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            apart = np.abs(1 / own[first] - 1 / other)
-        near = apart < 0.002 + sigma[first]
+            near = np.abs(1 / own[first] - 1 / other) < 0.002 + sigma[first]
         joined = usable[first] & usable[second] & alike & near & (facing[first] == facing[second])
         pairs.append(np.stack([index[first][joined], index[second][joined]]))
     row, column = np.concatenate(pairs, axis=1)
     graph = coo_matrix((np.ones(len(row), dtype=bool), (row, column)), shape=(inside.size, inside.size))
     _, component = connected_components(graph, directed=False)
-    sizes = np.bincount(component)
-    rank = np.zeros(len(sizes), dtype=np.intp)
-    large = np.flatnonzero(sizes >= _MIN_PATCH)
-    rank[large] = np.arange(1, len(large) + 1)
-    return rank[component].reshape(inside.shape), len(large)
+    return component.reshape(inside.shape), np.where(usable, facing, 0)
+
+
+def _sorted_by_yaw(normal: Array, facing: Indices, inside: Mask, placing: Array) -> Indices:
+    """Return the facings with upright pixels numbered from 10 by the peak of the histogram of yaws that they belong to.
+
+    An upright pixel over 20 degrees from every peak is tilted: round a corner the windows turn from one side to the other.
+    """
+    level = normal @ placing[:3, :2]
+    yaw = np.rad2deg(np.arctan2(level[..., 1], level[..., 0])) % 360
+    upright = inside & (facing == Facing.UPRIGHT.value)
+    counts = ndimage.uniform_filter1d(np.histogram(yaw[upright], 72, (0, 360))[0].astype(float), 3, mode="wrap")
+    peaks = np.flatnonzero((counts == ndimage.maximum_filter1d(counts, 9, mode="wrap")) & (3 * counts > _MIN_PATCH))
+    if len(peaks) == 0:
+        return np.where(upright, Facing.TILTED.value, facing)
+    apart = np.abs((yaw[..., None] - (peaks * 5 + 2.5) + 180) % 360 - 180)
+    nearest = np.argmin(apart, axis=-1)
+    named = np.where(apart.min(axis=-1) < 20, nearest + 10, Facing.TILTED.value)
+    return np.where(facing == Facing.UPRIGHT.value, named, facing)
+
+
+def _solid(component: Indices, facing: Indices, half: int) -> tuple[Indices, int]:
+    """Return labels 1 to n of the patches that are large enough, and n.
+
+    A tilted patch must be wider than the window: along creases and steps the windows themselves make narrow tilted strips.
+    """
+    rank = np.zeros(component.max() + 1, dtype=np.intp)
+    sizes = np.bincount(component.ravel())
+    count = 0
+    for k in np.flatnonzero(sizes >= _MIN_PATCH):
+        mine = component == k
+        if facing[mine][0] == Facing.TILTED.value:
+            wide = ndimage.binary_erosion(mine, np.ones((2 * half + 1,) * 2)).sum() >= _MIN_PATCH
+            if not wide:
+                continue
+        count += 1
+        rank[k] = count
+    return rank[component], count
 
 
 def _facing(upness: Array) -> Indices:
