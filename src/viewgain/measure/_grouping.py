@@ -153,9 +153,9 @@ def _united(parts: list[Patch], ranges: Image, tolerance: float) -> list[Patch]:
 
 
 def _one_plane(first: Patch, second: Patch, tolerance: float) -> bool:
-    return bool(
-        first.normal @ second.normal > 0.9 and abs(np.median(first.beyond(second.points))) < tolerance / 2 + 0.002
-    )
+    """Return whether two patches face one way with no step between; a common bend is no step, so the planes' tilts may be off."""
+    step = abs(np.median(first.beyond(second.points)) - np.median(second.beyond(first.points))) / 2
+    return bool(first.normal @ second.normal > 0.9 and step < tolerance / 2 + 0.002)
 
 
 def _bridged(first: Patch, second: Patch, ranges: Image) -> bool:

@@ -17,7 +17,7 @@ from viewgain.measure._pixels import edges_kept, leftover, pixels_around, thinne
 from viewgain.measure._quality import FEW_POINTS, Quality, assess, flags
 from viewgain.measure._range_image import RangeImage, range_image
 from viewgain.measure._result import BoxEstimate, Measurement, Rejected
-from viewgain.measure._segment import MIN_PIXELS, segment
+from viewgain.measure._segment import MIN_PIXELS, beside, segment
 from viewgain.measure._support import explained_by, support_height
 from viewgain.measure._uncertainty import extent_interval, knowledge
 from viewgain.scans import Scan
@@ -111,10 +111,16 @@ def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bo
     """Return the boxes and the rejected objects on one floor."""
     segments = segment(image, floor)
     scene = _OnFloor(image, floor, model, segments.labels > 0, noise_known)
-    found: list[_Outcome] = []
-    for k in range(1, min(segments.count, MAX_OBJECTS) + 1):
-        found += _object(scene, segments.labels == k, found)
-    found = found[:MAX_OBJECTS]
+    objects = [segments.labels == k for k in range(1, min(segments.count, MAX_OBJECTS) + 1)]
+    outcomes = [_object(scene, own) for own in objects]
+    for k, own in enumerate(objects):
+        if _returns(outcomes[k]) == 0 and (near := beside(own, objects)):
+            pooled = np.logical_or.reduce([own, *(objects[other] for other in near)])
+            plain = [one for other in (k, *near) for one in outcomes[other]]
+            outcomes[k] = _better(_stack(scene, pooled), plain, pooled)
+            for other in near:
+                outcomes[other] = []
+    found = [one for several in outcomes for one in several][:MAX_OBJECTS]
     boxes = tuple(one.result for one in found if isinstance(one.result, BoxEstimate))
     rejected = [_rejected(one.result, image, one.own) for one in found if isinstance(one.result, Refusal)]
     reason = None if boxes else rejected[0].reason if rejected else "nothing_on_floor"
@@ -141,7 +147,7 @@ class _Outcome:
     own: Mask
 
 
-def _object(scene: _OnFloor, own: Mask, known: list[_Outcome]) -> list[_Outcome]:
+def _object(scene: _OnFloor, own: Mask) -> list[_Outcome]:
     """Return what one connected object is: a box, a box and what is left beside it, or where that explains more, a stack."""
     outcomes = []
     queue = [(own, False)]
@@ -152,11 +158,14 @@ def _object(scene: _OnFloor, own: Mask, known: list[_Outcome]) -> list[_Outcome]
         outcomes.append(_Outcome(result, part))
     if len(outcomes) == 1 and not _doubtful(outcomes[0].result):
         return outcomes
-    stacked = _stack(scene, own, known)
+    return _better(_stack(scene, own), outcomes, own)
+
+
+def _better(stacked: list[_Outcome], plain: list[_Outcome], own: Mask) -> list[_Outcome]:
+    """Return the reading of an object as a stack if it explains most of the object, and more than the plain reading does."""
     explained = _returns(stacked)
-    if explained > MIN_STACK_SHARE * own.sum() and explained > STACK_GAIN * _returns(outcomes):
-        return stacked
-    return outcomes
+    enough = explained > MIN_STACK_SHARE * own.sum() and explained > STACK_GAIN * _returns(plain)
+    return stacked if enough else plain
 
 
 def _doubtful(result: BoxEstimate | Refusal) -> bool:
@@ -170,7 +179,7 @@ def _returns(outcomes: list[_Outcome]) -> int:
     return sum(one.result.quality.returns for one in outcomes if isinstance(one.result, BoxEstimate))
 
 
-def _stack(scene: _OnFloor, own: Mask, known: list[_Outcome]) -> list[_Outcome]:
+def _stack(scene: _OnFloor, own: Mask) -> list[_Outcome]:
     """Return the boxes of an object split into flat patches, each on the floor or on the box beneath it."""
     placing = floor_to_camera(scene.floor.plane)
     noise = scene.floor.noise * float(np.median(scene.model.range_sigma(scene.image.ranges[own], np.array(0.7))))
@@ -181,7 +190,7 @@ def _stack(scene: _OnFloor, own: Mask, known: list[_Outcome]) -> list[_Outcome]:
     masks = [part.mask(own.shape) for part in parts]
     outcomes: list[_Outcome] = []
     for part, mask in zip(parts, masks, strict=True):
-        boxes = [one.result.box for one in (*known, *outcomes) if isinstance(one.result, BoxEstimate)]
+        boxes = [one.result.box for one in outcomes if isinstance(one.result, BoxEstimate)]
         if explained_by(boxes, scene.image, mask) > 0.5:
             continue
         if part.tilted:
