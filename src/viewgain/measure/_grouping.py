@@ -7,15 +7,17 @@ something in front may hide the crease. All in the frame of the floor, z up (our
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
-from viewgain.arrays import Array, Image, Indices, Mask, Points
+from viewgain.arrays import Array, Indices, Mask, Points
 from viewgain.measure._patches import Facing, Patch
+from viewgain.measure._range_image import RangeImage
 
 _STEP = 0.012
 _MIN_GROUP = 60
 _REACH = 0.02
-_LINE = 200
+_THROUGH = 0.01
+_LINES = 40
+_STEPS = 80
 _GAP_PX = 4.0
 
 
@@ -40,7 +42,7 @@ class Group:
     @property
     def bottom(self) -> float:
         """Height of its lowest points, metres."""
-        return float(np.quantile(self.points[:, 2], 0.01))
+        return float(np.quantile(self.points[:, 2], 0.05))
 
     def mask(self, shape: tuple[int, ...]) -> Mask:
         """Return its (h, w) pixels."""
@@ -49,17 +51,17 @@ class Group:
         return mask
 
 
-def groups(found: list[Patch], ranges: Image, noise: float) -> list[Group]:
+def groups(found: list[Patch], image: RangeImage, noise: float) -> list[Group]:
     """Return the boxes-to-be among patches: those with a top first, lowest first.
 
     Args:
         found: The patches of the object.
-        ranges: (h, w) ranges of the scan, metres: a gap between two patches that something nearer hides is no gap.
+        image: The scan: a gap between two tops that something nearer hides is no gap.
         noise: Standard deviation of one pixel's range, metres.
     """
     tolerance = _STEP + noise
-    lying = _united([patch for patch in found if patch.facing is Facing.LYING], ranges, tolerance)
-    upright = _united([patch for patch in found if patch.facing is Facing.UPRIGHT], ranges, tolerance)
+    lying = _united([patch for patch in found if patch.facing is Facing.LYING], image, tolerance)
+    upright = _united([patch for patch in found if patch.facing is Facing.UPRIGHT], image, tolerance)
     hung, loose = _hung(lying, upright, tolerance)
     made = [_group([top, *sides], has_top=True) for top, sides in zip(lying, hung, strict=True)]
     made += [_group(sides, has_top=False) for sides in _cornered(loose, tolerance)]
@@ -92,7 +94,7 @@ def _hung(lying: list[Patch], upright: list[Patch], tolerance: float) -> tuple[l
     return hung, loose
 
 
-def _carried(top: Patch, side: Patch, tolerance: float) -> Array:
+def _carried(top: Patch, side: Patch, tolerance: float) -> Mask:
     """Return the (n,) mask of a side's pixels that hang from a top; none where the top is not at its plane."""
     none = np.zeros(len(side.pixels), dtype=bool)
     along = np.array([-side.normal[1], side.normal[0], 0.0])
@@ -110,7 +112,7 @@ def _carried(top: Patch, side: Patch, tolerance: float) -> Array:
         return none
     ahead = side.beyond(top.points[beside])
     reach = np.quantile(ahead, 0.98)
-    return below if -_REACH - tolerance < reach < tolerance else none
+    return np.asarray(below) if -_REACH - tolerance < reach < tolerance else none
 
 
 def _cornered(sides: list[Patch], tolerance: float) -> list[list[Patch]]:
@@ -133,12 +135,12 @@ def _convex(first: Patch, second: Patch, tolerance: float) -> bool:
     return bool(max(one, two) < tolerance and min(one, two) > -_REACH - tolerance)
 
 
-def _united(parts: list[Patch], ranges: Image, tolerance: float) -> list[Patch]:
+def _united(parts: list[Patch], image: RangeImage, tolerance: float) -> list[Patch]:
     """Return the patches, those joined that lie in one plane with no gap between them but a nearer object."""
     kept: list[Patch] = []
     for part in parts:
         for k, other in enumerate(kept):
-            if _one_plane(other, part, tolerance) and _bridged(other, part, ranges):
+            if _one_plane(other, part, tolerance) and _bridged(other, part, image):
                 kept[k] = Patch(
                     np.concatenate([other.pixels, part.pixels]),
                     np.concatenate([other.points, part.points]),
@@ -153,27 +155,30 @@ def _united(parts: list[Patch], ranges: Image, tolerance: float) -> list[Patch]:
 
 
 def _one_plane(first: Patch, second: Patch, tolerance: float) -> bool:
-    """Return whether two patches face one way with no step between; a common bend is no step, so the planes' tilts may be off."""
-    step = abs(np.median(first.beyond(second.points)) - np.median(second.beyond(first.points))) / 2
+    """Return whether two patches face one way with no step between.
+
+    The second must lie in the plane of the first, the larger; or each be as far before the other's: a bend, no step.
+    """
+    ahead, behind = (float(np.median(one.beyond(two.points))) for one, two in ((first, second), (second, first)))
+    step = min(abs(ahead), abs(ahead - behind) / 2)
     return bool(first.normal @ second.normal > 0.9 and step < tolerance / 2 + 0.002)
 
 
-def _bridged(first: Patch, second: Patch, ranges: Image) -> bool:
-    """Return whether the straight line in the image between the patches' middles shows nothing but them, and nearer things."""
-    width = ranges.shape[1]
-    ends = [np.array(np.divmod(patch.pixels, width)).mean(axis=1) for patch in (first, second)]
-    depth = np.array([np.median(ranges.ravel()[patch.pixels]) for patch in (first, second)])
-    steps = np.linspace(0, 1, _LINE)
-    line = np.round(ends[0] + steps[:, None] * (ends[1] - ends[0])).astype(int)
-    seen = ranges[line[:, 0], line[:, 1]]
-    expected = 1 / ((1 - steps) / depth[0] + steps / depth[1])
-    mine = np.isin(line @ (width, 1), np.concatenate([first.pixels, second.pixels]))
+def _bridged(first: Patch, second: Patch, image: RangeImage) -> bool:
+    """Return whether nine in ten straight lines in the image from one patch to the other show nothing behind their plane."""
+    ranges, width = image.ranges, image.ranges.shape[1]
+    one, two = (patch.pixels[np.linspace(0, len(patch.pixels) - 1, _LINES).astype(int)] for patch in (first, second))
+    start, end = (np.stack(np.divmod(pixels, width), axis=1) for pixels in (one, two[::-1]))
+    steps = np.linspace(0, 1, _STEPS)[:, None]
+    lines = np.round(start[:, None] + steps * (end - start)[:, None]).astype(int)
+    near, far = ranges.ravel()[one][:, None], ranges.ravel()[two[::-1]][:, None]
+    expected = 1 / ((1 - steps.T) / near + steps.T / far)
+    mine = np.isin(lines @ (width, 1), np.concatenate([first.pixels, second.pixels]))
     with np.errstate(invalid="ignore"):
-        open_gap = ~mine & (seen > expected - 0.01)
-    labels, count = ndimage.label(open_gap)
-    longest = max(np.bincount(labels)[1:], default=0)
-    return bool(count == 0 or longest * np.linalg.norm(ends[1] - ends[0]) / _LINE < _GAP_PX)
+        through = ~mine & (ranges[lines[..., 0], lines[..., 1]] > expected + _THROUGH)
+    gap = through.mean(axis=1) * np.linalg.norm(end - start, axis=1)
+    return bool(np.mean(gap > _GAP_PX) < 0.1)
 
 
-def _part(patch: Patch, chosen: Array) -> Patch:
+def _part(patch: Patch, chosen: Mask) -> Patch:
     return Patch(patch.pixels[chosen], patch.points[chosen], patch.normal, patch.offset, patch.facing)

@@ -34,14 +34,14 @@ MIN_SHARE_CUT_OPEN = 0.02
 """The same for a box that is both: legs and furniture at the border of the image look like that."""
 SURE_EXPLAINED = 0.95
 """A box that explains less of what lies within its outline is tried as several boxes."""
-SURE_OVERLAP = 0.88
+SURE_OVERLAP = 0.92
 """The same for the overlap of outline and object."""
 MIN_STACK_SHARE = 0.6
 """Several boxes must explain this share of an object together: a bag or a chair has flat patches too."""
 STACK_GAIN = 1.03
 """They must explain so much more than the object taken for one box and its leftovers."""
 MIN_PART = 0.02
-"""A part of a stack with a smaller share of the object is a fragment, not a box."""
+"""A part of a stack with a smaller share of the object is a fragment, not a box; without a top, twice that."""
 SUPPORT_BAND = 0.01
 """Pixels this near to the plane that a box stands on show its support, metres."""
 _COARSE_PIXELS = 1200
@@ -149,7 +149,7 @@ class _Outcome:
 
 def _object(scene: _OnFloor, own: Mask) -> list[_Outcome]:
     """Return what one connected object is: a box, a box and what is left beside it, or where that explains more, a stack."""
-    outcomes = []
+    outcomes: list[_Outcome] = []
     queue = [(own, False)]
     while queue and len(outcomes) < MAX_OBJECTS:
         part, split_off = queue.pop(0)
@@ -184,9 +184,8 @@ def _stack(scene: _OnFloor, own: Mask) -> list[_Outcome]:
     placing = floor_to_camera(scene.floor.plane)
     noise = scene.floor.noise * float(np.median(scene.model.range_sigma(scene.image.ranges[own], np.array(0.7))))
     found = patches(scene.image, own, scene.floor, scene.model, placing)
-    parts = groups(found, scene.image.ranges, noise)
-    least = max(MIN_PIXELS, MIN_PART * own.sum())
-    parts = [part for part in parts if len(part.pixels) >= least]
+    parts = groups(found, scene.image, noise)
+    parts = [part for part in parts if len(part.pixels) >= max(MIN_PIXELS, (1 if part.has_top else 2) * MIN_PART * own.sum())]
     masks = [part.mask(own.shape) for part in parts]
     outcomes: list[_Outcome] = []
     for part, mask in zip(parts, masks, strict=True):

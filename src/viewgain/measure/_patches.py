@@ -102,7 +102,8 @@ def patches(image: RangeImage, mask: Mask, floor: Floor, sensor: Sensor, placing
     pixels = (rows + window[0].start) * image.ranges.shape[1] + columns + window[1].start
     label = labels[rows, columns]
     points = (image.points.reshape(-1, 3)[pixels] - placing[:3, 3]) @ placing[:3, :3]
-    found = [_patch(pixels[label == k], points[label == k], placing) for k in range(1, count + 1) if (label == k).sum() >= _MIN_PATCH]
+    large = [k for k in range(1, count + 1) if np.sum(label == k) >= _MIN_PATCH]
+    found = [_patch(pixels[label == k], points[label == k], placing) for k in large]
     return sorted(found, key=lambda patch: -len(patch.pixels))
 
 
@@ -220,7 +221,9 @@ def _solid(component: Indices, facing: Indices, half: int) -> tuple[Indices, int
 
 
 def _facing(upness: Array) -> Indices:
-    return np.where(upness > _LYING, Facing.LYING.value, np.where(np.abs(upness) < _UPRIGHT, Facing.UPRIGHT.value, Facing.TILTED.value))
+    """Return the facing of surfaces from the cosine between their normals and up."""
+    steep = np.where(np.abs(upness) < _UPRIGHT, Facing.UPRIGHT.value, Facing.TILTED.value)
+    return np.where(upness > _LYING, Facing.LYING.value, steep)
 
 
 def _grown(labels: Indices, count: int, inverse: Image, at: Array, inside: Mask, sigma: Image, half: int) -> Indices:
