@@ -125,7 +125,7 @@ def _repeats(groups: dict[str, list[tuple[list[Found], int]]]) -> list[tuple[obj
     for name, scenes in groups.items():
         pooled = []
         boxes = [one.box.dimensions for found, _ in scenes for one in found if one.box is not None]
-        for carton, size in KNOWN.items():
+        for carton in KNOWN:
             mine = np.array([d for d in boxes if _identity(d) == carton])
             if len(mine) < 2:
                 continue
@@ -133,7 +133,6 @@ def _repeats(groups: dict[str, list[tuple[list[Found], int]]]) -> list[tuple[obj
             pooled.append(deviation)
             mean, spread = (" x ".join(f"{1e3 * v:.1f}" for v in stat) for stat in (mine.mean(axis=0), mine.std(axis=0, ddof=1)))
             rows.append((name, carton, len(mine), mean, spread, f"{1e3 * np.median(deviation):.1f}"))
-            del size
         if pooled:
             every = np.concatenate(pooled)
             rows.append((name, "together", len(every), "", "", f"{1e3 * np.median(every):.1f}"))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Indices, Mask, Points
+from viewgain.arrays import Indices, Mask, Points
 from viewgain.measure._patches import Facing, Patch
 from viewgain.measure._range_image import RangeImage
 
