@@ -3,7 +3,19 @@
 import argparse
 from pathlib import Path
 
-from benchmarks import accuracy, calibration, closed_loop, fusion, lines, multipath, published_noise, real, real_tof, simulation
+from benchmarks import (
+    accuracy,
+    calibration,
+    closed_loop,
+    fusion,
+    lines,
+    multipath,
+    published_noise,
+    real,
+    real_tof,
+    simulation,
+    stacks,
+)
 
 BENCHMARKS = {
     "accuracy": accuracy.run,
@@ -16,6 +28,7 @@ BENCHMARKS = {
     "simulation": simulation.run,
     "published-noise": published_noise.run,
     "real-tof": real_tof.run,
+    "stacks": stacks.run,
 }
 
 

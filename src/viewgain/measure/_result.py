@@ -18,6 +18,7 @@ REASONS = {
     "no_floor": "no plane in the scan can be a floor; show more of the floor, or give an empty scene with --floor",
     "nothing_on_floor": "nothing stands on the floor; is the box lower than 1.5 cm, or out of range?",
     "not_a_box": "what stands on the floor does not fit a box",
+    "tilted": "a part of the object neither lies flat nor stands upright; only boxes that stand on a face are measured",
     "cut_by_border": "the object leaves the image on so many sides that no dimension can be bounded; move back",
     "too_few_points": "what stands on the floor has too few returns to measure; move closer",
 }
@@ -39,7 +40,7 @@ class BoxEstimate:
     quality: Quality
     """Faces seen and share of the evidence explained."""
     flags: tuple[str, ...]
-    """cut, open, grazing, bent, few_points, touching."""
+    """cut, open, grazing, bent, few_points, touching, stacked."""
     views: tuple[View, ...]
     """The evidence, for fusing with further scans."""
 

@@ -12,6 +12,7 @@ from viewgain.measure._range_image import RangeImage
 MIN_PIXELS = 60
 """An object with fewer pixels is not measured."""
 _JUMP = 0.03
+_BESIDE_PX = 4
 _EIGHT = np.ones((3, 3), dtype=bool)
 
 
@@ -52,6 +53,12 @@ def segment(image: RangeImage, floor: Floor, *, min_height: float | None = None)
     rank = np.zeros(count + 1, dtype=np.intp)
     rank[order] = np.arange(1, len(order) + 1)
     return Segments(np.where(above, rank[labels], 0), heights, len(order))
+
+
+def beside(own: Mask, objects: list[Mask]) -> list[int]:
+    """Return the numbers of the other ``objects`` that come within four pixels of ``own`` in the image."""
+    near = ndimage.binary_dilation(own, _EIGHT, iterations=_BESIDE_PX)
+    return [k for k, other in enumerate(objects) if other is not own and np.any(near & other)]
 
 
 def _on_jump(ranges: Image) -> Mask:
