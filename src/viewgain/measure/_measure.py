@@ -11,7 +11,7 @@ from viewgain.measure._fit import COARSE, FINE, SHARP, Fit, View, estimate_noise
 from viewgain.measure._floor import Floor, find_floors
 from viewgain.measure._hypotheses import hypotheses
 from viewgain.measure._pixels import edges_kept, leftover, pixels_around, thinned
-from viewgain.measure._quality import FEW_POINTS, Quality, assess, flags
+from viewgain.measure._quality import FEW_POINTS, Quality, assess, flags, widened
 from viewgain.measure._range_image import RangeImage, range_image
 from viewgain.measure._result import BoxEstimate, Measurement, Rejected
 from viewgain.measure._segment import MIN_PIXELS, segment
@@ -171,7 +171,7 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
 def with_uncertainty(fit: Fit, quality: Quality, *, touching: bool) -> BoxEstimate:
     """Return the finished estimate of a fit: covariance, intervals, flags."""
     known = knowledge(fit)
-    spread = known.covariance(fit.views[0].sensor)
+    spread = widened(known.covariance(fit.views[0].sensor), quality)
     x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
