@@ -13,12 +13,16 @@ from viewgain.box import Box, floor_hits
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
 
-MAX_RELIEF = (0.0022, 0.0132)
+MAX_RELIEF = (0.0023, 0.0138)
 """Largest relief of a box's faces: metres, and a share of its size. Cartons measured so far stay under half of it."""
 MAX_BULGE = 0.045
 """Deepest bend of a face, as a share of its shorter side."""
-MAX_HOLES = 0.24
-"""With relief as far as allowed no hole is; without any, this share of the returns inside the outline may lie behind the box."""
+MAX_HOLES = 0.25
+"""Largest share of the returns inside the outline that lie behind the box."""
+MAX_PROUD = 0.13
+"""Largest share of them that lie before it."""
+BULGE_WEIGHT = 0.08
+"""Relief, holes and bend count together, as a root of squares over their limits; the bend over this, since cartons do bulge."""
 MIN_FREE_EDGE = 0.04
 """Beside at least this share of the outline within the image the camera must see something farther away, or nothing."""
 MAX_SLENDER = 6.0
@@ -40,6 +44,8 @@ class Evidence:
     """Root mean square of the residuals along the faces' normals, averaged over blocks of 6 x 6 pixels and freed of noise, metres."""
     holes: float = 0.0
     """Share of the returns inside the outline that lie behind the box."""
+    proud: float = 0.0
+    """Share of them that lie before it."""
     free_edge: float = 1.0
     """Share of the pixels just outside the outline that see something farther than the box, or nothing."""
     bulge: float = 0.0
@@ -54,8 +60,13 @@ class Evidence:
     def against(self, size: float) -> bool:
         """Return whether this is no box, given the cube root of its volume, metres."""
         relief = self.relief / (MAX_RELIEF[0] + MAX_RELIEF[1] * size)
-        crooked = float(np.hypot(relief, self.holes / MAX_HOLES)) > 1 or self.bulge > MAX_BULGE
-        return crooked or self.free_edge < MIN_FREE_EDGE or self.slender or self.sliver
+        together = float(np.linalg.norm([relief, self.holes / MAX_HOLES, self.bulge / BULGE_WEIGHT]))
+        return together > 1 or self.bulge > MAX_BULGE or self.proud > MAX_PROUD or self.slender or self.sliver
+
+    @property
+    def endless(self) -> bool:
+        """Whether nothing shows that the box ends anywhere: a wall, or the middle of something large."""
+        return self.free_edge < MIN_FREE_EDGE
 
 
 def tolerance(ranges: Array, sigma: Array) -> Array:
@@ -80,11 +91,13 @@ def relief(evaluation: Evaluation, pixels: Pixels, on_face: Mask, sigma: Array) 
     return float(np.sqrt(max(np.mean(mean[full] ** 2 - noise[full]), 0.0))) if full.any() else 0.0
 
 
-def holes(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> float:
-    """Return the share of the returns well inside the outline that lie behind the box."""
+def holes(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> tuple[float, float]:
+    """Return the shares of the returns well inside the outline that lie behind the box, and before it."""
     deep = (evaluation.inside > 2) & np.isfinite(pixels.ranges) & ~pixels.other
-    behind = deep & (pixels.ranges > evaluation.hits.ranges + tolerance(pixels.ranges, sigma))
-    return float(pixels.weight[behind].sum() / max(pixels.weight[deep].sum(), 1.0))
+    off, allowed = pixels.ranges - evaluation.hits.ranges, tolerance(pixels.ranges, sigma)
+    behind, before = (float(pixels.weight[deep & part].sum()) for part in (off > allowed, off < -allowed))
+    total = max(float(pixels.weight[deep].sum()), 1.0)
+    return behind / total, before / total
 
 
 def free_edge(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> float:
@@ -92,7 +105,7 @@ def free_edge(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> float:
     band = (evaluation.inside < -_BAND_PX[0]) & (evaluation.inside > -_BAND_PX[1]) & ~pixels.other
     ranges = evaluation.hits.ranges
     reach = np.maximum(tolerance(ranges, sigma), 0.02)
-    farther = band & (pixels.ranges > ranges + reach)
+    farther = band & (np.isnan(pixels.ranges) | (pixels.ranges > ranges + reach))
     return float(pixels.weight[farther].sum() / max(pixels.weight[band].sum(), 1.0))
 
 

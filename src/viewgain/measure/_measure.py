@@ -158,10 +158,10 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
     if quality.returns < MIN_PIXELS:
         return Refusal("too_few_points")
     if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):
-        return Refusal("not_a_box")
+        return Refusal(quality.why_not)
     estimate = with_uncertainty(fit, quality, touching=touching)
     partial = set(estimate.flags) & {"cut", "open"}
-    if partial and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
+    if (partial or touching) and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
         return Refusal("too_few_points", estimate)
     if all(estimate.is_open) or (len(partial) == 2 and quality.returns < MIN_SHARE_CUT_OPEN * image.ranges.size):
         return Refusal("cut_by_border", estimate)

@@ -82,7 +82,12 @@ class Quality:
         """Whether the object may be called a box."""
         needed = MIN_EXPLAINED_FEW if self.returns < FEW_POINTS else MIN_EXPLAINED
         fits = self.explained >= needed and self.overlap >= MIN_OVERLAP and self.faces_seen > 0
-        return fits and not self.evidence.against(self.size)
+        return fits and not self.evidence.against(self.size) and not self.evidence.endless
+
+    @property
+    def why_not(self) -> str:
+        """The reason where it is no box: the image's border where all that it lacks is an end, else its shape."""
+        return "cut_by_border" if self.cut and self.evidence.endless and not self.evidence.against(self.size) else "not_a_box"
 
 
 def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, own: Mask, sigma: Array) -> Quality:
@@ -104,6 +109,7 @@ def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, 
     both = float(weight[on_face].sum() + weight[claimed & ~inside & returned].sum())
     faces = face_views(box, evaluation, pixels, on_face)
     returns = float(weight[on_face].sum())
+    behind, before = holes(evaluation, pixels, sigma)
     return Quality(
         explained=float(weight[on_face].sum() / max(weight[inside].sum(), 1)),
         overlap=both / max(covered + max(float(own.sum()) - both, 0.0), 1.0),
@@ -112,7 +118,8 @@ def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, 
         cut=is_cut(box, image),
         evidence=Evidence(
             relief=relief(evaluation, pixels, on_face, sigma),
-            holes=holes(evaluation, pixels, sigma),
+            holes=behind,
+            proud=before,
             free_edge=free_edge(evaluation, pixels, sigma),
             bulge=_bulge(box, faces),
             slender=bool(box.extents[2] > MAX_SLENDER * box.extents[:2].max()),
