@@ -3,7 +3,18 @@
 import argparse
 from pathlib import Path
 
-from benchmarks import accuracy, calibration, closed_loop, multipath, published_noise, real, real_tof, simulation
+from benchmarks import (
+    accuracy,
+    calibration,
+    closed_loop,
+    enclosing,
+    multipath,
+    not_a_box,
+    published_noise,
+    real,
+    real_tof,
+    simulation,
+)
 
 BENCHMARKS = {
     "accuracy": accuracy.run,
@@ -14,6 +25,8 @@ BENCHMARKS = {
     "simulation": simulation.run,
     "published-noise": published_noise.run,
     "real-tof": real_tof.run,
+    "not-a-box": not_a_box.run,
+    "enclosing": enclosing.run,
 }
 
 

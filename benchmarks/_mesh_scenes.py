@@ -44,7 +44,7 @@ class MeshScene:
 
 
 def split(names: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
-    """Return categories to fit on, for the conformal step, and unseen ones: of the sorted names two, then one, then one in four."""
+    """Return the categories to fit on (half of the sorted names), for the conformal step (a quarter), and unseen (a quarter)."""
     names = tuple(sorted(names))
     fit = tuple(name for k, name in enumerate(names) if k % 4 in (0, 2))
     return fit, names[1::4], names[3::4]
@@ -90,7 +90,9 @@ def true_heap(mesh: TriangleMesh) -> float:
     """Return the volume between floor and topmost surface, by the midpoint rule on a grid of about 160 x 160 cells."""
     low, high = mesh.bounds
     cell = float((high - low)[:2].max()) * 1.02 / _CELLS
-    above = Intrinsics(width=_CELLS, height=_CELLS, fx=_HEIGHT / cell, fy=_HEIGHT / cell, cx=(_CELLS - 1) / 2, cy=(_CELLS - 1) / 2)
+    above = Intrinsics(
+        width=_CELLS, height=_CELLS, fx=_HEIGHT / cell, fy=_HEIGHT / cell, cx=(_CELLS - 1) / 2, cy=(_CELLS - 1) / 2
+    )
     middle = (low + high) / 2
     view = np.diag([1.0, -1.0, -1.0, 1.0])
     view[:3, 3] = middle[0], middle[1], _HEIGHT
@@ -107,7 +109,7 @@ def _object(category: str, folder: MeshFolder, rng: np.random.Generator, half: i
     if source == "procedural":
         mesh = procedural(name, rng=rng)
     else:
-        entries = [entry for entry in folder.only([name])]
+        entries = list(folder.only([name]))
         entries = entries if half is None or len(entries) < 2 else entries[half::2]
         mesh = entries[rng.integers(len(entries))].load()
         if not name.startswith("capod"):  # these have y up

@@ -63,7 +63,7 @@ DISTANCES: Mapping[str, tuple[float, float]] = MappingProxyType({"mug": (0.4, 1.
 
 
 def view_of(scene: Scene, kind: str, rng: np.random.Generator) -> Pose:
-    """Return camera_to_world that looks at what is in the scene from 15 to 60 degrees above the horizon; into the corner of walls."""
+    """Return camera_to_world that looks at the object, or into the corner of walls, from 15 to 60 degrees above the horizon."""
     low, high = scene.meshes[0].bounds if scene.meshes else (np.zeros(3), np.array([0.0, 0.0, 0.2]))
     azimuth = rng.uniform(0, 2 * np.pi)
     if len(scene.planes) == 3:
@@ -167,7 +167,7 @@ def _box_quads(box: Box, without: tuple[int, int] | None) -> list[tuple[Array, A
             points = np.zeros((4, 3))
             points[:, axis] = side * 0.5
             points[:, others[0]], points[:, others[1]] = [-0.5, 0.5, 0.5, -0.5], [-0.5, -0.5, 0.5, 0.5]
-            points = (points + [0, 0, 0.5]) * box.extents
+            points = (points + np.array([0, 0, 0.5])) * box.extents
             parts.append((points, np.array([[0, 1, 2], [0, 2, 3]])))
     return parts
 

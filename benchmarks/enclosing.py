@@ -1,4 +1,4 @@
-"""Enclosing boxes and volumes of objects of any shape: do the 90 % intervals hold the truth, on kinds of objects seen and unseen?"""
+"""Enclosing boxes and volumes of objects of any shape: do the 90 % intervals hold the truth, also for kinds never seen?"""
 
 import argparse
 import sys
@@ -34,7 +34,17 @@ def run(options: argparse.Namespace) -> None:
     measured, seen_kind = np.array([row[1] for row in found]), np.array([row[2] for row in found])
     print(f"## Enclosing boxes of {SCENES} mesh scenes, {len(found)} measured (seeds {FIRST_SEED} on)\n")
     print("Share of 90 % intervals that hold the truth (95 % Wilson interval), by kinds the calibration saw and did not see.\n")
-    header = ("quantity", "all", "kinds seen", "kinds unseen", "too low", "too high", "median |error|", "of the seen part", "high / low")
+    header = (
+        "quantity",
+        "all",
+        "kinds seen",
+        "kinds unseen",
+        "too low",
+        "too high",
+        "median |error|",
+        "of the seen part",
+        "high / low",
+    )
     print(markdown(header, [_row(k, measured, seen_kind) for k in range(len(QUANTITIES))]))
     print("\nToo low, too high: the truth lies below, above the interval. A bounded interval's high / low: median.\n")
     groups = {"procedural": "procedural/", "real meshes": "real/", "of these CAPOD": "real/capod"}
@@ -47,7 +57,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def scored(seed: int) -> tuple[str, list[tuple[float, float, int, float]], bool] | None:
-    """Return category, and for each quantity error, error of the seen part, side missed (-1, 0, 1) and width; None if not measured."""
+    """Return category, per quantity error, seen part's error, side missed (-1, 0, 1), width, and if the kind was seen; or None."""
     folder = _folder()
     names = all_categories(folder)
     rng = np.random.default_rng([seed, 21])

@@ -41,7 +41,7 @@ class Evidence:
     """What the pixels say against a fitted box."""
 
     relief: float = 0.0
-    """Root mean square of the residuals along the faces' normals, averaged over blocks of 6 x 6 pixels and freed of noise, metres."""
+    """Root mean square of the faces' residuals along their normals, means over 6 x 6 pixels less their noise, metres."""
     holes: float = 0.0
     """Share of the returns inside the outline that lie behind the box."""
     proud: float = 0.0
@@ -69,13 +69,17 @@ class Evidence:
         return self.free_edge < MIN_FREE_EDGE
 
 
+NOTHING_AGAINST = Evidence()
+"""A flawless box."""
+
+
 def tolerance(ranges: Array, sigma: Array) -> Array:
     """Return the (n,) deviation up to which a range agrees with a face: 5 mm, 0.4 % and four sigma, metres."""
     return np.asarray(0.005 + 0.004 * ranges + 4 * sigma)
 
 
 def relief(evaluation: Evaluation, pixels: Pixels, on_face: Mask, sigma: Array) -> float:
-    """Return the root mean square relief of the faces, metres; 0 where it is no more than noise or there is too little to tell."""
+    """Return the root mean square relief of the faces, metres; 0 where noise explains it or there is little to tell."""
     used = np.flatnonzero(on_face)
     if len(used) == 0:
         return 0.0
@@ -86,9 +90,9 @@ def relief(evaluation: Evaluation, pixels: Pixels, on_face: Mask, sigma: Array) 
     key = (cell[:, 1] * (cell[:, 0].max() + 1) + cell[:, 0]) * 8 + hits.planes[used]
     _, block, count = np.unique(key, return_inverse=True, return_counts=True)
     mean = np.bincount(block, height) / count
-    noise = (np.bincount(block, sigma[used] * hits.cosine[used]) / count) ** 2 / count
+    noise = np.square(np.bincount(block, sigma[used] * hits.cosine[used]) / count) / count
     full = count >= _MIN_BLOCK
-    return float(np.sqrt(max(np.mean(mean[full] ** 2 - noise[full]), 0.0))) if full.any() else 0.0
+    return float(np.sqrt(max(float(np.mean(mean[full] ** 2 - noise[full])), 0.0))) if full.any() else 0.0
 
 
 def holes(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> tuple[float, float]:

@@ -6,7 +6,17 @@ import numpy as np
 
 from viewgain.arrays import Array, Mask
 from viewgain.box import FACES, FLOOR, PLANE_NORMALS, Box, outline
-from viewgain.measure._evidence import MAX_SLENDER, MIN_FLAPS, Evidence, flaps, free_edge, holes, relief, tolerance
+from viewgain.measure._evidence import (
+    MAX_SLENDER,
+    MIN_FLAPS,
+    NOTHING_AGAINST,
+    Evidence,
+    flaps,
+    free_edge,
+    holes,
+    relief,
+    tolerance,
+)
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
 from viewgain.measure._range_image import RangeImage
@@ -67,7 +77,7 @@ class Quality:
     """Returns on the box."""
     cut: bool
     """Whether the outline leaves the image."""
-    evidence: Evidence = Evidence()
+    evidence: Evidence = NOTHING_AGAINST
     """What the pixels say against the box."""
     size: float = np.inf
     """Cube root of the box's volume, metres."""

@@ -1,5 +1,9 @@
 """Objects of any shape on the floor: smallest enclosing boxes, hull and heap volume, what parcel rules make of them."""
 
+from viewgain.parcels._any import Item as Item
+from viewgain.parcels._any import Items as Items
+from viewgain.parcels._any import Shape as Shape
+from viewgain.parcels._any import measure_any as measure_any
 from viewgain.parcels._calibration import Calibration as Calibration
 from viewgain.parcels._calibration import calibrated as calibrated
 from viewgain.parcels._calibration import calibration as calibration

@@ -89,7 +89,7 @@ def quantile_regression(x: Array, y: Vector, level: float) -> Vector:
 
 
 def conformal_shift(left: Vector, level: float) -> float:
-    """Return by how much a quantile must move so that its share of held-out scans, with the finite-sample correction, lies beyond.
+    """Return by how much a quantile must move so that its share of held-out scans lies beyond, corrected for their number.
 
     Args:
         left: (n,) held-out values less their predicted quantile.

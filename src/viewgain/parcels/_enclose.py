@@ -6,8 +6,7 @@ import numpy as np
 
 from viewgain.arrays import Array
 from viewgain.camera import Sensor
-from viewgain.measure import find_floors, range_image, sensor_of
-from viewgain.measure import RangeImage
+from viewgain.measure import RangeImage, find_floors, range_image, sensor_of
 from viewgain.parcels._calibration import calibration
 from viewgain.parcels._enclosure import EnclosingBox, Enclosure, Enclosures, Estimate
 from viewgain.parcels._likeness import box_likeness

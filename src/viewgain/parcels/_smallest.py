@@ -68,7 +68,7 @@ def smallest_box(points: Points) -> Cuboid:
 
 
 def smallest_rectangle(points: Points2) -> tuple[float, Array, Array]:
-    """Return the rectangle of least area around (n, 2) points: yaw of its first side, radians, and lowest and highest corner (2,).
+    """Return the rectangle of least area around (n, 2) points: yaw of a side, radians, and lowest and highest corner, (2,) each.
 
     The corners are in the frame turned by the yaw. A single point gives zero sides, a line of points a zero width.
     """

@@ -1,10 +1,11 @@
 """Volumes of what stands on the floor z = 0: of the convex hull, and of the heap between floor and topmost surface."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import ConvexHull, QhullError
 
-from viewgain.arrays import Array, Points, Points2
+from viewgain.arrays import Array, Points
 
 MAX_CELLS = 400
 """A heap's grid has at most this many cells along each side; a larger one is made coarser."""
@@ -19,7 +20,7 @@ def hull_volume(points: Points) -> float:
 
 
 def heap_volume(points: Points, cell: float, *, closing: int = 2) -> float:
-    """Return the volume between the floor and the topmost of (n, 3) points, cubic metres: what a tarpaulin pulled tight would hold.
+    """Return the volume between the floor and the topmost of (n, 3) points, cubic metres.
 
     The sum over the cells of a floor grid of the highest point above each, times the cell's area. What lies under an overhang
     counts: nothing seen from above tells it from matter. Cells without a point but surrounded by such with one are filled.
@@ -39,7 +40,7 @@ def heap_volume(points: Points, cell: float, *, closing: int = 2) -> float:
     return float(cell**2 * np.maximum(heights[tuple(nearest)][filled], 0.0).sum())
 
 
-def _highest(cells: Points2, heights: Array, margin: int) -> Array:
+def _highest(cells: NDArray[np.intp], heights: Array, margin: int) -> Array:
     """Return the (a, b) grid of the highest value in each cell; minus infinity where there is none."""
     grid = np.full(tuple(cells.max(axis=0) + margin + 1), -np.inf)
     np.maximum.at(grid, (cells[:, 0], cells[:, 1]), heights)
