@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def scored(seed: int) -> tuple[str, list[tuple[float, float, int, float]], bool] | None:
-    """Return category, per quantity error, seen part's error, side missed (-1, 0, 1), width, and if the kind was seen; or None."""
+    """Return category, per quantity error, seen part's error, side missed (-1, 0, 1), width; whether the kind was seen."""
     folder = _folder()
     names = all_categories(folder)
     rng = np.random.default_rng([seed, 21])

@@ -18,8 +18,8 @@ DEVELOPMENT_SEEDS = range(9000, 9300)
 """What the thresholds of viewgain.measure's evidence against a box were chosen on."""
 FIRST_SEED = 30_000
 """First seed of what is reported."""
-SCENES = 252
-"""42 of each kind, half with each camera."""
+SCENES = 504
+"""84 of each kind, half with each camera."""
 
 
 def run(options: argparse.Namespace) -> None:
