@@ -39,7 +39,7 @@ class BoxEstimate:
     quality: Quality
     """Faces seen and share of the evidence explained."""
     flags: tuple[str, ...]
-    """cut, open, grazing, bent, few_points, touching."""
+    """cut, open, grazing, bent, few_points, touching, flaps."""
     views: tuple[View, ...]
     """The evidence, for fusing with further scans."""
 
