@@ -7,9 +7,11 @@ from benchmarks import (
     accuracy,
     calibration,
     closed_loop,
+    enclosing,
     fusion,
     lines,
     multipath,
+    not_a_box,
     published_noise,
     real,
     real_tof,
@@ -29,6 +31,8 @@ BENCHMARKS = {
     "published-noise": published_noise.run,
     "real-tof": real_tof.run,
     "stacks": stacks.run,
+    "not-a-box": not_a_box.run,
+    "enclosing": enclosing.run,
 }
 
 

@@ -14,7 +14,7 @@ from viewgain.measure._grouping import groups
 from viewgain.measure._hypotheses import hypotheses
 from viewgain.measure._patches import patches
 from viewgain.measure._pixels import edges_kept, leftover, pixels_around, thinned
-from viewgain.measure._quality import FEW_POINTS, Quality, assess, flags
+from viewgain.measure._quality import FEW_POINTS, Quality, assess, flags, widened
 from viewgain.measure._range_image import RangeImage, range_image
 from viewgain.measure._result import BoxEstimate, Measurement, Rejected
 from viewgain.measure._segment import MIN_PIXELS, beside, segment
@@ -264,10 +264,10 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
     if quality.returns < MIN_PIXELS:
         return Refusal("too_few_points")
     if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):
-        return Refusal("not_a_box")
+        return Refusal(quality.why_not)
     estimate = with_uncertainty(fit, quality, touching=touching)
     partial = set(estimate.flags) & {"cut", "open"}
-    if partial and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
+    if (partial or touching) and quality.returns < max(FEW_POINTS, MIN_SHARE * image.ranges.size):
         return Refusal("too_few_points", estimate)
     if all(estimate.is_open) or (len(partial) == 2 and quality.returns < MIN_SHARE_CUT_OPEN * image.ranges.size):
         return Refusal("cut_by_border", estimate)
@@ -277,7 +277,7 @@ def _judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: b
 def with_uncertainty(fit: Fit, quality: Quality, *, touching: bool) -> BoxEstimate:
     """Return the finished estimate of a fit: covariance, intervals, flags."""
     known = knowledge(fit)
-    spread = known.covariance(fit.views[0].sensor)
+    spread = widened(known.covariance(fit.views[0].sensor), quality)
     x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut, spanned=quality.spans(axis)) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))

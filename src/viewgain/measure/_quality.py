@@ -6,6 +6,17 @@ import numpy as np
 
 from viewgain.arrays import Array, Mask
 from viewgain.box import FACES, FLOOR, PLANE_NORMALS, Box, outline
+from viewgain.measure._evidence import (
+    MAX_SLENDER,
+    MIN_FLAPS,
+    NOTHING_AGAINST,
+    Evidence,
+    flaps,
+    free_edge,
+    holes,
+    relief,
+    tolerance,
+)
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
 from viewgain.measure._range_image import RangeImage
@@ -30,6 +41,11 @@ MIN_EXPLAINED_FEW = 0.95
 """The same with few returns: on so few, many things look nearly like a box."""
 MIN_OVERLAP = 0.6
 """An object is a box only if object and outline share this much of their union."""
+MIN_THICKNESS = 0.02
+"""A box thinner than this that is seen by less than one pixel in a hundred is none, metres."""
+FLAPS_WIDEN = 0.04
+"""Standard deviation that flaps add to each side of a box, as a share of the cube root of its volume."""
+_AXIS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "top": 2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +81,10 @@ class Quality:
     """Returns on the box."""
     cut: bool
     """Whether the outline leaves the image."""
+    evidence: Evidence = NOTHING_AGAINST
+    """What the pixels say against the box."""
+    size: float = np.inf
+    """Cube root of the box's volume, metres."""
 
     def spans(self, axis: int) -> bool:
         """Return whether a face with many returns contains this axis of the box (0 x, 1 y, 2 z)."""
@@ -79,7 +99,13 @@ class Quality:
     def is_box(self) -> bool:
         """Whether the object may be called a box."""
         needed = MIN_EXPLAINED_FEW if self.returns < FEW_POINTS else MIN_EXPLAINED
-        return self.explained >= needed and self.overlap >= MIN_OVERLAP and self.faces_seen > 0
+        fits = self.explained >= needed and self.overlap >= MIN_OVERLAP and self.faces_seen > 0
+        return fits and not self.evidence.against(self.size) and not self.evidence.endless
+
+    @property
+    def why_not(self) -> str:
+        """The reason where it is no box: the image's border where all that it lacks is an end, else its shape."""
+        return "cut_by_border" if self.cut and self.evidence.endless and not self.evidence.against(self.size) else "not_a_box"
 
 
 def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, own: Mask, sigma: Array) -> Quality:
@@ -99,19 +125,56 @@ def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, 
     claimed, weight = evaluation.inside > 0, pixels.weight
     covered = float(weight[claimed & returned].sum())
     both = float(weight[on_face].sum() + weight[claimed & ~inside & returned].sum())
+    faces = face_views(box, evaluation, pixels, on_face)
+    returns = float(weight[on_face].sum())
+    behind, before = holes(evaluation, pixels, sigma)
     return Quality(
         explained=float(weight[on_face].sum() / max(weight[inside].sum(), 1)),
         overlap=both / max(covered + max(float(own.sum()) - both, 0.0), 1.0),
-        faces=face_views(box, evaluation, pixels, on_face),
-        returns=int(weight[on_face].sum()),
+        faces=faces,
+        returns=int(returns),
         cut=is_cut(box, image),
+        evidence=Evidence(
+            relief=relief(evaluation, pixels, on_face, sigma),
+            holes=behind,
+            proud=before,
+            free_edge=free_edge(evaluation, pixels, sigma),
+            bulge=_bulge(box, faces),
+            slender=bool(box.extents[2] > MAX_SLENDER * box.extents[:2].max()),
+            sliver=bool(box.extents.min() < MIN_THICKNESS and returns < 0.01 * image.ranges.size),
+            flaps=flaps(box, pixels, returns, sigma),
+        ),
+        size=float(np.cbrt(box.volume)),
     )
+
+
+def widened(covariance: Array, quality: Quality) -> Array:
+    """Return the (9, 9) covariance of a box with what bent faces and flaps add: their sides are not where a flat face would be.
+
+    A face bent by a depth may end anywhere within it, and turns the box, so that the other sides follow by half of it. Flaps drag
+    the edges that they hang on.
+    """
+    added = np.zeros(3)
+    for face in quality.faces:
+        if abs(face.bend) > BENT_M:
+            added += (face.bend * np.where(np.arange(3) == _AXIS[face.name], 1.0, 0.5)) ** 2
+    if quality.evidence.flaps > MIN_FLAPS:
+        added += (FLAPS_WIDEN * quality.size) ** 2
+    wider = covariance.copy()
+    wider[range(6, 9), range(6, 9)] += added
+    return np.asarray(wider)
+
+
+def _bulge(box: Box, faces: tuple[FaceView, ...]) -> float:
+    """Return the deepest bend of a well-seen face over that face's shorter side."""
+    depths = [abs(face.bend) / float(np.delete(box.extents, _AXIS[face.name]).min()) for face in faces if face.returns >= 100]
+    return max(depths, default=0.0)
 
 
 def on_faces(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> Mask:
     """Return the (n,) mask of pixels well inside the outline whose range agrees with the box: four sigma, 5 mm and 0.4 %."""
     inside = (evaluation.inside > 1) & np.isfinite(pixels.ranges) & ~pixels.other
-    return np.asarray(inside & (np.abs(pixels.ranges - evaluation.hits.ranges) < 0.005 + 0.004 * pixels.ranges + 4 * sigma))
+    return np.asarray(inside & (np.abs(pixels.ranges - evaluation.hits.ranges) < tolerance(pixels.ranges, sigma)))
 
 
 def is_cut(box: Box, image: RangeImage) -> bool:
@@ -133,6 +196,7 @@ def flags(quality: Quality, *, is_open: bool, touching: bool) -> tuple[str, ...]
         "bent": any(abs(face.bend) > BENT_M for face in quality.faces),
         "few_points": quality.returns < FEW_POINTS,
         "touching": touching,
+        "flaps": quality.evidence.flaps > MIN_FLAPS,
     }
     return tuple(name for name, holds in named.items() if holds)
 

@@ -40,7 +40,7 @@ class BoxEstimate:
     quality: Quality
     """Faces seen and share of the evidence explained."""
     flags: tuple[str, ...]
-    """cut, open, grazing, bent, few_points, touching, stacked."""
+    """cut, open, grazing, bent, few_points, touching, flaps, ambiguous, stacked."""
     views: tuple[View, ...]
     """The evidence, for fusing with further scans."""
 
@@ -198,19 +198,22 @@ class Measurement:
 
     def to_dict(self) -> dict[str, object]:
         """Return the versioned JSON form (docs/json.md)."""
-        floor = self.floor
         return {
             "schema": SCHEMA,
             "scans": list(self.scans),
-            "floor": None if floor is None else {
-                "normal_camera": _rounded(floor.plane.normal),
-                "camera_height_m": round(floor.plane.offset, 5),
-                "spread_m": round(floor.spread, 5),
-            },
+            "floor": floor_json(self.floor),
             "boxes": [box.to_dict(self.world) for box in self.boxes],
             "rejected": [rejected.to_dict() for rejected in self.rejected],
             "reason": self.reason,
-        }  # fmt: skip
+        }
+
+
+def floor_json(floor: Floor | None) -> dict[str, object] | None:
+    """Return the JSON form of a floor (docs/json.md); None for none."""
+    if floor is None:
+        return None
+    normal, height = _rounded(floor.plane.normal), round(floor.plane.offset, 5)
+    return {"normal_camera": normal, "camera_height_m": height, "spread_m": round(floor.spread, 5)}
 
 
 def _finite(value: float) -> float | None:

@@ -13,6 +13,9 @@ FLAGS = {
     "bent": "A face is bent by more than 4 mm: a soft or bulging side, or light that bounced twice.",
     "few_points": "Fewer than 300 returns lie on the box: move closer.",
     "touching": "Another object touches the box: the border between them is inferred.",
+    "flaps": "Something floats beside or over the top of the box, such as open flaps: close them.",
+    "ambiguous": "Which sides correspond between the scans is open: the interval covers both readings.",
+    "stacked": "The box stands on another one: its height counts from there.",
 }
 """Every flag of a measurement, explained."""
 NO_PLAN = {"no_reachable_view": "no candidate of the rig can be reached"}
