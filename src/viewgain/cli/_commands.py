@@ -22,7 +22,7 @@ class Reading:
     units: Literal["m", "mm"] | None = None
     """Units of the file; default detected and said."""
     pose: tuple[Path, ...] = ()
-    """camera_to_world of each scan (JSON or text, 4x4), in the order of the scans."""
+    """camera_to_world of each scan (JSON or text, 4x4), in the order of the scans; of all or of none."""
     camera: str | None = None
     """Camera preset (docs/cameras.md) or a TOML file, for noise and systematic error; default estimated from the scan."""
     floor: Path | None = None
@@ -38,11 +38,23 @@ class Measure:
     reading: Annotated[Reading, tyro.conf.arg(name="")] = field(default_factory=Reading)
     """How the files are read."""
     fuse: bool = False
-    """Join all scans (each with a pose) into one estimate instead of measuring them apart."""
+    """Join all scans into one estimate: by their poses if all have one, without poses by the boxes that they share."""
+    method: Literal["likelihood", "lines", "corners"] = "likelihood"
+    """likelihood has error bars; lines and corners are the paper's estimators, without any (docs/lines.md)."""
+    as_published: bool = False
+    """With lines or corners: as the public program does it, without our mends."""
+    shape: Literal["box", "auto", "any"] = "box"
+    """box: boxes only; auto: a box where it is one, else enclosing boxes and volumes; any: those for everything."""
+    division: float | None = None
+    """Scale division d, metres: also give dimensions rounded to the nearest d, and mark those under 12 d. No certification."""
+    round_up: float | None = None
+    """Then round them up to the next multiple of this, metres, as carriers do."""
+    divisor: float | None = None
+    """Also give the dimensional weight in kilograms: volume in cubic centimetres over this (5000 and 6000 are common)."""
     json: bool = False
     """One JSON object per result, one line each, and nothing else on stdout."""
     csv: bool = False
-    """One CSV row per box."""
+    """One CSV row per box, or per object with --shape auto or any."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +62,7 @@ class Next:
     """Say where the camera should go next so that the volume becomes certain."""
 
     scans: Scans
-    """Scan files; several need a pose each, and the last is the camera as it stands."""
+    """Scan files; several are fused, with a pose each or none, and the last is the camera as it stands."""
     reading: Annotated[Reading, tyro.conf.arg(name="")] = field(default_factory=Reading)
     """How the files are read."""
     rig: str = "ring8"

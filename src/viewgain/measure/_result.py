@@ -198,6 +198,7 @@ class Measurement:
 
     def to_dict(self) -> dict[str, object]:
         """Return the versioned JSON form (docs/json.md)."""
+        placed = [None if each is None else _rounded(each) for each in self.camera_poses]
         return {
             "schema": SCHEMA,
             "scans": list(self.scans),
@@ -205,6 +206,7 @@ class Measurement:
             "boxes": [box.to_dict(self.world) for box in self.boxes],
             "rejected": [rejected.to_dict() for rejected in self.rejected],
             "reason": self.reason,
+            **({"camera_poses": placed} if placed else {}),
         }
 
 

@@ -30,7 +30,7 @@ def enclose(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
 
     Args:
         scan: The scan, camera frame.
-        camera: Preset name or sensor, for its noise; its image is the scan's own.
+        camera: Preset name or sensor, for its noise and its known scale and offset error; its image is the scan's own.
         floor: A scan of the empty scene from the same pose, where the object hides the floor.
 
     Returns:
@@ -39,9 +39,10 @@ def enclose(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
     Raises:
         ConfigError: If ``camera`` names no preset.
     """
-    image = range_image(scan)
-    model = replace(sensor_of(camera), intrinsics=image.whole_camera())
-    floors = find_floors(image if floor is None else range_image(floor), model)
+    known = sensor_of(camera)
+    image = range_image(scan).corrected(known)
+    model = replace(known, intrinsics=image.whole_camera())
+    floors = find_floors(image if floor is None else range_image(floor).corrected(known), model)
     if not floors:
         return Enclosures((scan.source,), None, (), "no_floor")
     objects = find_objects(image, floors[0], model)

@@ -127,7 +127,7 @@ def next_view(
     looked at as a blob of unknown size, so the question is answered when it is needed most.
 
     Args:
-        current: A scan, several with poses (fused; the last is the camera as it stands), or an earlier measurement.
+        current: A scan, several (fused, with poses or without; the last is the camera as it stands), or an earlier measurement.
         rig: Preset name, path of a rig file, or a rig.
         objective: ``volume``.
         policy: Who scores; default the model-based :class:`CovariancePolicy`.
@@ -140,7 +140,8 @@ def next_view(
         The ranking; with no candidates and a reason if there is no floor or nothing on it.
 
     Raises:
-        ConfigError: If rig, objective, tolerance or confidence make no sense, or several scans come without poses.
+        ConfigError: If rig, objective, tolerance or confidence make no sense, or the last of several scans without poses shares
+            no box with the others, so that nobody knows where the camera stands.
     """
     stations = find_rig(rig)
     if objective != "volume":
@@ -149,6 +150,7 @@ def next_view(
         raise ConfigError(f"got tolerance {tolerance} and confidence {confidence}, wanted both between 0 and 1")
     decider = policy or CovariancePolicy(pose_sigma)
     measured = _measured(current, camera, pose_sigma)
+    _require_standpoint(measured)
     believed = _belief(measured, sensor_of(camera))
     if believed is None:
         nowhere = np.zeros(3)
@@ -182,6 +184,15 @@ def _measured(
     if isinstance(current, Scan):
         return measure(current, camera=camera)
     return fuse(current, camera=camera, pose_sigma=pose_sigma)
+
+
+def _require_standpoint(measured: Measurement) -> None:
+    """Refuse fused scans of which the last has no place among the others: the way from there is unknown."""
+    if measured.camera_poses and measured.camera_poses[-1] is None:
+        raise ConfigError(
+            f"next view: {measured.scans[-1]} shares no box with the other scans, so the camera's place is unknown; give poses,"
+            " or a last scan that shows the box"
+        )
 
 
 def _belief(measured: Measurement, sensor: Sensor) -> Belief | None:
