@@ -1,5 +1,6 @@
-"""Scan files on disk for the commands to read: one box, two poses of it, a bare floor, and a box nobody can bound."""
+"""Scan files on disk for the commands to read: one box from two poses, and a bare floor; also without their poses."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +26,11 @@ def scans(tmp_path_factory: pytest.TempPathFactory) -> Path:
         scan = capture(Scene((box,)), pose, camera, rng=np.random.default_rng(int(10 * azimuth)), effects=MODELLED)
         write_scan(scan, folder / f"{name}.png", depth_scale=1e-4)
         write_scan(scan, folder / f"{name}.ply")
+        write_scan(replace(scan, camera_to_world=None), folder / f"{name}_unposed.ply")
         np.savetxt(folder / f"{name}_pose.txt", pose)
     floor = capture(
         Scene(()), orbit_pose(target, 0.0, np.deg2rad(38), 1.1), camera, rng=np.random.default_rng(5), effects=MODELLED
     )
     write_scan(floor, folder / "floor.npz")
+    write_scan(replace(floor, camera_to_world=None), folder / "floor_unposed.ply")
     return folder

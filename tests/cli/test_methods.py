@@ -17,7 +17,12 @@ from viewgain.measure import measure
 from viewgain.planes import AS_PUBLISHED, MENDED, measure_lines
 from viewgain.scans import read_scan
 
-LOADED = "import sys\nfrom viewgain.cli import main\nmain(sys.argv[1:])\nprint(*(n for n in sys.modules if n.startswith('viewgain.')))"
+LOADED = """
+import sys
+from viewgain.cli import main
+main(sys.argv[1:])
+print(*(name for name in sys.modules if name.startswith("viewgain.")))
+"""
 
 
 def test_plain_json_is_the_measurement_and_nothing_more(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:

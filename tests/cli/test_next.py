@@ -42,6 +42,26 @@ def test_two_posed_scans_are_fused_and_surer(scans: Path, capsys: pytest.Capture
     assert both["current"]["boxes"][0]["volume_sigma_m3"] < one["current"]["boxes"][0]["volume_sigma_m3"]
 
 
+def test_two_scans_without_poses_are_fused_in_the_last_ones_frame(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    two = plan_of([str(scans / "two_unposed.ply")], capsys)
+    both = plan_of([str(scans / "one_unposed.ply"), str(scans / "two_unposed.ply")], capsys)
+    assert len(both["current"]["scans"]) == 2
+    assert np.allclose(both["current"]["camera_poses"][-1], np.eye(4))
+    centres = [np.array(plan["current"]["boxes"][0]["box_to_camera"])[:3, 3] for plan in (two, both)]
+    assert np.allclose(*centres, atol=0.01)
+    assert both["p_within_tolerance"] >= two["p_within_tolerance"]
+
+
+def test_a_last_scan_without_the_box_gives_no_place_to_start_from(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert (
+        main(["next", str(scans / "one_unposed.ply"), str(scans / "two_unposed.ply"), str(scans / "floor_unposed.ply"), "--json"])
+        == 2
+    )
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "floor_unposed.ply shares no box" in captured.err
+
+
 def test_a_tight_tolerance_keeps_going_and_a_wide_one_stops(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert not plan_of([str(scans / "one.png"), "--tolerance", "0.001"], capsys)["stop"]
     assert plan_of([str(scans / "one.png"), "--tolerance", "0.2"], capsys)["stop"]

@@ -50,7 +50,8 @@ def test_any_encloses_everything_and_tries_no_box(scans: Path, capsys: pytest.Ca
 def test_the_table_says_what_it_was_and_why_and_the_rules_words(mug: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["measure", mug, "--shape", "auto", "--division", "0.005", "--divisor", "5000"]) == 0
     out = capsys.readouterr().out
-    for word in ("upright length", "free height", "hull volume", "heap volume", "90 %", "box likeness", "not_a_box", "does not fit"):
+    quantities = ("upright length", "free height", "hull volume", "heap volume")
+    for word in (*quantities, "90 %", "box likeness", "not_a_box", "does not fit"):
         assert word in out
     assert "dimensional weight" in out
     assert "not a certified measurement" in out
@@ -62,9 +63,7 @@ def test_the_table_says_what_it_was_and_why_and_the_rules_words(mug: str, capsys
 
 
 @pytest.mark.parametrize("options", [[], ["--shape", "auto"]])
-def test_rules_bill_a_box_whatever_the_shape_option(
-    options: list[str], scans: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_rules_bill_a_box_whatever_the_shape_option(options: list[str], scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules = ["--division", "0.02", "--round-up", "0.05", "--divisor", "5000"]
     result = result_of([str(scans / "one.png"), *options, *rules], capsys)
     (bill,) = [each["billed"] for each in result.get("boxes", result.get("objects"))]
