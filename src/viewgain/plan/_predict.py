@@ -96,7 +96,8 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
     for face in range(FLOOR):
         points, hits, weight = _face_samples(seen, face, sensor)
         sights += [Sight(FACES[face], float(seen_as.incidence[face]), float(weight.sum()))] if len(points) else []
-        _add_ranges(seen, points, hits, weight, sensor, noise, information, systematic)
+        believed = weight * (1 - sensor.loss(hits.cosine))  # as in measuring: a face that loses its returns is little believed
+        _add_ranges(seen, points, hits, believed, sensor, noise, information, systematic)
     _add_ranges(seen, *_floor_samples(seen, sensor), sensor, noise, information, systematic)
     edges, shift = _edge_information(seen, sensor, noise)
     information += edges
