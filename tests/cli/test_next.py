@@ -10,7 +10,8 @@ from viewgain.cli import main
 
 FIRST_KEYS = {"schema", "rig", "objective", "policy", "current", "candidates", "best", "stop"}
 KEYS = FIRST_KEYS | {"p_within_tolerance", "tolerance", "confidence", "reason"}
-CANDIDATE_KEYS = {"index", "camera_to_current", "score", "volume_sigma_m3", "p_within_tolerance", "faces", "cut", "reachable"}
+VERDICT_KEYS = {"score", "volume_sigma_m3", "p_within_tolerance", "reachable"}
+CANDIDATE_KEYS = VERDICT_KEYS | {"index", "camera_to_current", "faces", "cut", "border_share"}
 
 
 def plan_of(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, object]:
@@ -71,6 +72,14 @@ def test_the_words_say_where_to_go_or_to_stop(scans: Path, capsys: pytest.Captur
     assert main(["next", str(scans / "one.png"), "--tolerance", "0.001"]) == 0
     last = capsys.readouterr().out.splitlines()[-1]
     assert "P(volume error < 0%)" in last or "View" in last
+
+
+def test_a_thing_that_is_no_box_is_still_planned_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = "simulate --scene object --category mug --size 0.4 --rig ring2 --without multipath --formats npz --out"
+    assert main([*command.split(), str(tmp_path)]) == 0
+    capsys.readouterr()
+    plan = plan_of([str(tmp_path / "view00_000.npz")], capsys)
+    assert (plan["current"]["boxes"], plan["stop"], plan["reason"]) == ([], False, None)
 
 
 def test_a_bare_floor_has_a_reason_and_exit_3(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:

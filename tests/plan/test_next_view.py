@@ -22,7 +22,8 @@ KEYS = {
     "schema", "rig", "objective", "policy", "current", "candidates", "best", "stop", "p_within_tolerance", "tolerance",
     "confidence", "reason",
 }  # fmt: skip
-CANDIDATE_KEYS = {"index", "camera_to_current", "score", "volume_sigma_m3", "p_within_tolerance", "faces", "cut", "reachable"}
+VERDICT_KEYS = {"score", "volume_sigma_m3", "p_within_tolerance", "reachable"}
+CANDIDATE_KEYS = VERDICT_KEYS | {"index", "camera_to_current", "faces", "cut", "border_share"}
 
 
 def crate_scan(seed: int = 0, **view: float) -> Scan:
