@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.cli.conftest import EXTENTS
+from viewgain.camera import camera_text, sensor
 from viewgain.cli import main
 
 TRUTH = np.sort(EXTENTS)[::-1]
@@ -45,6 +46,15 @@ def test_any_encloses_everything_and_tries_no_box(scans: Path, capsys: pytest.Ca
     for length, truth in zip(thing["enclosure"]["upright"]["dimensions_m"], (0.4, 0.3, 0.2), strict=True):
         low, high = length["interval90"]
         assert low < truth < high
+
+
+def test_a_cameras_known_scale_is_taken_off_any_shape(mug: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "long.toml").write_text(camera_text(sensor("pico_flexx").corrected(0.05, 0.0, 0.001, 0.001)))
+    seen = []
+    for camera in ("pico_flexx", str(tmp_path / "long.toml")):
+        (thing,) = result_of([mug, "--shape", "any", "--camera", camera], capsys)["objects"]
+        seen.append([length["seen"] for length in thing["enclosure"]["upright"]["dimensions_m"]])
+    assert np.allclose(np.array(seen[1]) / seen[0], 1 / 1.05, atol=0.02)
 
 
 def test_the_table_says_what_it_was_and_why_and_the_rules_words(mug: str, capsys: pytest.CaptureFixture[str]) -> None:
