@@ -53,8 +53,9 @@ def test_a_cameras_known_scale_is_taken_off_any_shape(mug: str, tmp_path: Path, 
     seen = []
     for camera in ("pico_flexx", str(tmp_path / "long.toml")):
         (thing,) = result_of([mug, "--shape", "any", "--camera", camera], capsys)["objects"]
-        seen.append([length["seen"] for length in thing["enclosure"]["upright"]["dimensions_m"]])
-    assert np.allclose(np.array(seen[1]) / seen[0], 1 / 1.05, atol=0.02)
+        found = thing["enclosure"]
+        seen.append([np.linalg.norm(found["centre_camera_m"]), found["upright"]["dimensions_m"][2]["seen"]])
+    assert np.allclose(np.array(seen[1]) / seen[0], 1 / 1.05, atol=0.01)  # a footprint hangs on single pixels at its rim
 
 
 def test_the_table_says_what_it_was_and_why_and_the_rules_words(mug: str, capsys: pytest.CaptureFixture[str]) -> None:
