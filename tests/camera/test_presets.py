@@ -28,8 +28,9 @@ vertical_deg = 47.5
 """
 FOCAL = "[image]\nwidth = 64\nheight = 48\nfx = 55\nfy = 54.0\n"
 FOLDER = resources.files("viewgain.camera") / "presets"
-OPTIONAL = {"range.unambiguous", "range.modulation_hz", "systematic.scale", "systematic.offset"}
-"""What a preset may leave open: what not every data sheet says or every camera has, and the known error of one single camera."""
+OPTIONAL = {"range.unambiguous", "range.modulation_hz", "systematic.scale", "systematic.offset", "signal.short_floor"}
+"""What a preset may leave open: what not every data sheet says or every camera has, the
+known error of one single camera, and stray light, which the simulator does not know."""
 
 
 def numbers(content: dict[str, Any]) -> set[str]:

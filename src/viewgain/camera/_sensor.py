@@ -67,6 +67,8 @@ class Sensor:
     """Incidence angle at which returns begin to be lost, radians."""
     grazing_end: float = np.deg2rad(85.0)
     """Incidence angle at which no return comes back, radians."""
+    short_floor: float = 0.0
+    """Share of the floor's pixels beside an object that read short, by light that took a detour over it or inside the lens."""
     footprint_px: float = 1.0
     """Width of the square that one pixel integrates over, lens blur included, pixels."""
     flying_filter: float = 0.0

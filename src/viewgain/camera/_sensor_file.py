@@ -29,6 +29,7 @@ FIELDS = {
         "weakest": "weakest",
         "grazing_start_deg": "grazing_start",
         "grazing_end_deg": "grazing_end",
+        "short_floor": "short_floor",
         "footprint_px": "footprint_px",
         "flying_filter": "flying_filter",
     },

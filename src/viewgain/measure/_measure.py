@@ -100,12 +100,17 @@ def _explained(attempt: Measurement) -> tuple[int, bool]:
 UNKNOWN_JITTER = 0.3
 """Where a pixel of a camera that nobody named may really look, pixels: its slopes are taken for noisier (assumed)."""
 
+UNKNOWN_SHORT = 0.03
+"""How much of the floor beside an object its image shows short: chosen between 0 and 0.1 by two scans of a Kinect."""
+
 
 def sensor_of(camera: str | Sensor | None) -> Sensor:
     """Return the sensor that a name, a sensor or nothing stands for."""
     if isinstance(camera, Sensor):
         return camera
-    return replace(sensor("pico_flexx"), jitter_px=UNKNOWN_JITTER) if camera is None else sensor(camera)
+    if camera is None:
+        return replace(sensor("pico_flexx"), jitter_px=UNKNOWN_JITTER, short_floor=UNKNOWN_SHORT)
+    return sensor(camera)
 
 
 def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bool) -> Measurement:

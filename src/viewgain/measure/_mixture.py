@@ -20,6 +20,8 @@ STRAY = 0.02
 """Share of returns from the box that are nowhere near it (multipath, crosstalk)."""
 CLUTTER = 0.10
 """Share of rays beside the box that meet something other than the floor."""
+SHORT_BY = 0.06
+"""By how much floor beside an object may read short, metres (viewgain.camera.Sensor.short_floor): evenly between nothing and this."""
 SPAN = 3.0
 """Stray and clutter returns are uniform over this many metres."""
 FLYING = 0.3
@@ -226,7 +228,12 @@ def _ground(box: Box, pixels: Pixels, at: Indices, sensor: Sensor, noise: float,
     hits = floor_hits(box, pixels.directions[at])
     beyond = ndtr((np.minimum(hits.ranges, FAR) / pixels.horizon - 1) / HORIZON_BLUR)
     lost = LOST_FAR[0] + LOST_FAR[1] * sensor.loss(hits.cosine)
-    return _surface(pixels, at, hits, sensor, noise, softness, lost + beyond * np.maximum(LOST_BEYOND - lost, 0.0), CLUTTER)
+    ground = _surface(pixels, at, hits, sensor, noise, softness, lost + beyond * np.maximum(LOST_BEYOND - lost, 0.0), CLUTTER)
+    if sensor.short_floor == 0:
+        return ground
+    missed = hits.ranges - pixels.ranges[at]
+    short = np.where((missed > 0) & (missed < SHORT_BY), sensor.short_floor / SHORT_BY, 0.0)
+    return replace(ground, density=ground.density + short, gauss=ground.gauss * ground.density / (ground.density + short))
 
 
 def _surface(
