@@ -13,7 +13,7 @@ from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, Box
 from viewgain.camera import Sensor
 from viewgain.geometry import floor_to_camera, pose
-from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, BoxEstimate, Knowledge, Measurement, Rejected
+from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, SYSTEMATIC, BoxEstimate, Knowledge, Measurement, Rejected
 
 SPREAD = (1, 5, 3, 2)
 """Number of boxes that stand for each open dimension, by how many are open."""
@@ -89,7 +89,7 @@ def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Be
     extents = np.array([2 * reach[0], 2 * reach[1], max(middle[2] + reach[2], 0.05)])
     box = Box(placing @ pose(np.eye(3), np.array([middle[0], middle[1], 0.0])), extents)
     third = np.concatenate([np.full(2, 50.0), [0.5], np.repeat(3 / extents.mean(), 2), [20.0], 3 / extents]) ** 2
-    knowledge = Knowledge(np.diag(third), np.zeros((PARAMETERS, 2)))
+    knowledge = Knowledge(np.diag(third), np.zeros((PARAMETERS, SYSTEMATIC)))
     return Belief((box,), knowledge, sensor, current.floor.noise, False)
 
 
