@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
@@ -13,8 +14,8 @@ from benchmarks.calibration import Outcome
 from benchmarks.lines import Row
 from benchmarks.protocol import Sample
 from viewgain.arrays import Array, Mask
-from viewgain.report._colours import FAINT, GRID, INK
-from viewgain.report._style import key, legend_below, new_figure, plain_axes, title, to_png
+from viewgain.report._colours import FAINT, GRID, INK, LARGE, NORMAL, SMALL
+from viewgain.report._style import key, plain_axes, to_png
 
 AGAINST = (
     "folded azimuth, degrees\n(0 face-on, 45 edge-on)",
@@ -39,7 +40,7 @@ def draw_methods(samples: Sequence[Sample], rows: Mapping[str, Sequence[Row]], p
         for panel, place in zip(panels[0], places.T, strict=True):
             _errors(panel, place, error, colour, marker)
     _error_axis(panels[0])
-    title(panels[0, 0], f"|volume error| of three methods, the same {len(samples)} scans", (_MEDIANS,))
+    _title(figure, f"|volume error| of three methods, the same {len(samples)} scans of boxbench's protocol")
     keys = [key(name, color=colour, marker=marker, markersize=4, linewidth=1.6) for name, (colour, marker) in METHODS.items()]
     _save(figure, panels, keys, path)
 
@@ -49,16 +50,18 @@ def draw_outcomes(name: str, outcomes: Sequence[Outcome], path: Path) -> None:
     found = [outcome for outcome in outcomes if outcome.reason is None]
     places = np.array([[*outcome.view, np.cbrt(outcome.truth[0])] for outcome in found])
     error = np.array([abs(outcome.estimate[0] / outcome.truth[0] - 1) for outcome in found])
-    inside = np.array([outcome.inside[0] for outcome in found])
+    inside, whole = np.array([(outcome.inside[0], outcome.whole) for outcome in found]).T
     figure, panels = _figure(2, 5.4)
     colour, marker = METHODS["ours"]
     for column, place in enumerate(places.T):
-        _errors(panels[0, column], place, error, colour, marker)
+        panels[0, column].scatter(place[~whole], np.maximum(error[~whole], _LEAST), s=9, marker="x", color=INK, linewidths=0.5)
+        _errors(panels[0, column], place, error, colour, marker, dots=whole)
         _shares(panels[1, column], place, inside)
     _error_axis(panels[0])
-    panels[1, 0].set_ylabel("share of the 90 % intervals\nthat hold the volume", fontsize=8, color=FAINT)
-    title(panels[0, 0], f"|volume error| and coverage, {name}: {len(found)} of {len(outcomes)} scans with a box", (_MEDIANS,))
+    panels[1, 0].set_ylabel("share of the 90 % intervals\nthat hold the volume", fontsize=NORMAL, color=FAINT)
+    _title(figure, f"|volume error| and coverage, {name}: the {len(found)} of {len(outcomes)} scans with a box")
     keys = [
+        key("scan, box cut by the image", color=INK, marker="x", markersize=4, linestyle="none"),
         key("median |volume error|", color=colour, marker=marker, markersize=4, linewidth=1.6),
         key("coverage", color="#0072b2", marker="o", markersize=4, linewidth=1.2),
         key("right: 0.90", color=INK, linewidth=1.0, linestyle="--"),
@@ -66,12 +69,15 @@ def draw_outcomes(name: str, outcomes: Sequence[Outcome], path: Path) -> None:
     _save(figure, panels, keys, path)
 
 
-_MEDIANS = f"Dots: scans. Lines: groups of about {_PER_GROUP} scans, with 95 % intervals (bootstrap of the median, Wilson)."
-
-
 def _figure(rows: int, height: float) -> tuple[Figure, np.ndarray]:
-    figure = new_figure(9.0, height)
+    figure = Figure(figsize=(9.0, height), dpi=110, layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, len(AGAINST), sharex="col", sharey="row", squeeze=False)
+
+
+def _title(figure: Figure, text: str) -> None:
+    """Write what the picture shows over it."""
+    figure.suptitle(text, x=0.01, horizontalalignment="left", fontsize=LARGE, fontweight="bold", color=INK)
 
 
 def _groups(place: Array) -> list[Array]:
@@ -79,9 +85,10 @@ def _groups(place: Array) -> list[Array]:
     return np.array_split(np.argsort(place, kind="stable"), max(round(len(place) / _PER_GROUP), 1))
 
 
-def _errors(panel: Axes, place: Array, error: Array, colour: str, marker: str) -> None:
-    """Draw every scan's error, and the median of groups; a missing volume counts in the median, but has no dot."""
-    panel.scatter(place, np.maximum(error, _LEAST), s=5, color=colour, marker=marker, alpha=0.3, linewidths=0)
+def _errors(panel: Axes, place: Array, error: Array, colour: str, marker: str, *, dots: Mask | None = None) -> None:
+    """Draw every scan's error (those of ``dots`` if given), and the median of groups of all; a missing volume has no dot."""
+    drawn = np.isfinite(error) if dots is None else dots
+    panel.scatter(place[drawn], np.maximum(error[drawn], _LEAST), s=5, color=colour, marker=marker, alpha=0.3, linewidths=0)
     counted = np.where(np.isfinite(error), error, 1.0)
     groups = _groups(place)
     at = [float(np.median(place[group])) for group in groups]
@@ -105,7 +112,7 @@ def _shares(panel: Axes, place: Array, inside: Mask) -> None:
 def _error_axis(panels: np.ndarray) -> None:
     panels[0].set(yscale="log", ylim=(0.8 * _LEAST, 1.2))
     panels[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
-    panels[0].set_ylabel("|volume error|", fontsize=8, color=FAINT)
+    panels[0].set_ylabel("|volume error|", fontsize=NORMAL, color=FAINT)
 
 
 def _save(figure: Figure, panels: np.ndarray, keys: list[object], path: Path) -> None:
@@ -116,9 +123,12 @@ def _save(figure: Figure, panels: np.ndarray, keys: list[object], path: Path) ->
             panel.set_axisbelow(True)
             panel.spines[["top", "right"]].set_visible(False)
     for panel, name in zip(panels[-1], AGAINST, strict=True):
-        panel.set_xlabel(name, fontsize=8, color=FAINT)
-    legend_below(figure, keys, len(keys))
-    figure.set_dpi(110)
+        panel.set_xlabel(name, fontsize=NORMAL, color=FAINT)
+    how = f"Dots: scans. Lines: groups of about {_PER_GROUP} scans, with 95 % intervals (bootstrap of medians, Wilson of shares)."
+    figure.legend(
+        handles=keys, loc="outside lower center", ncols=len(keys), fontsize=SMALL, frameon=False, labelcolor=INK, title=how,
+        title_fontproperties={"size": SMALL},
+    )  # fmt: skip
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(to_png(figure))
     print(f"{path.name}: {path.stat().st_size // 1024} kB\n")

@@ -23,8 +23,9 @@ def run(options: argparse.Namespace) -> None:
     rows = {name: evaluate(estimator, samples) for name, estimator in METHODS.items()}
     print(f"## Methods side by side: {source}, {len(samples)} scans\n")
     print(
-        "Relative volume error: median (95 % bootstrap interval), p90 and bias over returned volumes; success with its 95 %"
-        " Wilson interval; shares under 10 and 20 % over all scans (none is a miss). Processor time per 224x171 scan, median and p90.\n"
+        "Relative volume error; median (95 % bootstrap interval), p90 and bias over returned volumes; success with its 95 %"
+        " Wilson interval; shares under 10 and 20 % over all scans (none is a miss).\n"
+        "Processor time per 224x171 scan, median and p90.\n"
     )
     print(markdown((HEADER[0], *HEADER[2:], "time"), [(name, *_cells(some)) for name, some in rows.items()]))
     print("\nThe same, of boxes wholly in the image:\n")
