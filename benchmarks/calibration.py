@@ -14,6 +14,7 @@ from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.camera import PRESETS, Sensor, sensor
 from viewgain.episodes import World
+from viewgain.geometry import inverse
 from viewgain.measure import Measurement, measure
 from viewgain.scenes import Scene, orbit_pose, random_box
 from viewgain.simulate import single_threads
@@ -34,7 +35,10 @@ class Outcome:
     """One scan: what was true, what came out."""
 
     truth: NDArray[np.float64]
-    """(4,) volume, then length >= width >= height, cubic metres and metres."""
+    """(4,) volume, then the true extents along the axes of the measured length, width and height, cubic metres and metres.
+
+    Not sorted by themselves: a lower bound of an open dimension would else be held against another side.
+    """
     whole: bool
     """Whether all corners of the box lie in the image."""
     reason: str | None
@@ -126,7 +130,7 @@ def outcome(name: str, seed: int, systematic: bool) -> Outcome:
     pose, view = _view(rng, box, camera)
     world = World(Scene((box,)), camera, scale=rng.normal(0, camera.scale_sd), offset=rng.normal(0, camera.offset_sd))
     result = measure(world.scan(pose, pose, rng), camera=camera)
-    return _judged(box, result, _whole(box, pose, camera), view)
+    return _judged(box.in_frame(inverse(pose)), result, _whole(box, pose, camera), view)
 
 
 def _view(rng: np.random.Generator, box: Box, camera: Sensor) -> tuple[Pose, NDArray[np.float64]]:
@@ -141,21 +145,25 @@ def _view(rng: np.random.Generator, box: Box, camera: Sensor) -> tuple[Pose, NDA
 
 
 def _whole(box: Box, pose: Pose, camera: Sensor) -> bool:
-    corners = box.in_frame(np.linalg.inv(pose)).corners()
+    corners = box.in_frame(inverse(pose)).corners()
     u, v = camera.intrinsics.project(corners).T
     width, height = camera.intrinsics.width, camera.intrinsics.height
     return bool(np.all((corners[:, 2] > 0) & (u >= 0) & (v >= 0) & (u <= width - 1) & (v <= height - 1)))
 
 
 def _judged(box: Box, result: Measurement, whole: bool, view: NDArray[np.float64]) -> Outcome:
-    truth = np.array([box.volume, *np.sort(box.extents)[::-1]])
+    """Return the outcome; ``box`` is the true one in the camera's frame."""
     nothing = np.full(4, np.nan)
     if not result.boxes:
-        return Outcome(truth, whole, result.reason, nothing, nothing, nothing, np.full(3, np.nan), view)
+        return Outcome(
+            np.array([box.volume, *box.extents]), whole, result.reason, nothing, nothing, nothing, np.full(3, np.nan), view
+        )
     best = result.boxes[0]
+    along = np.abs(best.box.box_to_camera[:3, :3].T @ box.box_to_camera[:3, :3])
+    true = box.extents[[1, 0, 2]] if along[0, 1] > along[0, 0] else box.extents
     intervals = [best.volume_interval90, *best.interval90]
     low, high = (np.array([np.inf if end[k] is None else end[k] for end in intervals], dtype=float) for k in (0, 1))
-    own, true = best.box.extents, box.extents
-    signed = np.where(best.is_open, np.nan, own)
-    signed = np.array([*signed[np.argsort(own[:2])], signed[2]]) - np.array([*np.sort(true[:2]), true[2]])
-    return Outcome(truth, whole, None, np.array([best.volume, *best.dimensions]), low, high, signed, view)
+    signed = np.where(best.is_open, np.nan, best.box.extents - true)
+    sides = signed[:2][np.argsort(true[:2])]
+    truth, estimate = np.array([box.volume, *true[best.order]]), np.array([best.volume, *best.dimensions])
+    return Outcome(truth, whole, None, estimate, low, high, np.array([*sides, signed[2]]), view)

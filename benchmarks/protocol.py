@@ -70,7 +70,8 @@ def spread(samples: Sequence[Sample], count: int | None) -> list[Sample]:
 def camera_of(name: str, noise: float, intrinsics: Intrinsics) -> Sensor:
     """Return the protocol's camera: noise sigma r / sqrt(cos), 0.3 px jitter, 70-85 degree loss, no systematic error.
 
-    Its pixels look along one ray (mixed ones are drawn apart, without regard to brightness), so they have no footprint.
+    Its pixels look along one ray (mixed ones are drawn apart, without regard to brightness), so they have no footprint,
+    and whole edges shift half as much as usual (chosen on generated(1), our own draw).
     """
     return Sensor(
         name=name,
@@ -80,6 +81,7 @@ def camera_of(name: str, noise: float, intrinsics: Intrinsics) -> Sensor:
         jitter_px=0.3,
         lateral_px=0.0,
         footprint_px=0.0,
+        edge_sd_px=0.035,
         scale_sd=0.0,
         offset_sd=0.0,
     )

@@ -28,8 +28,8 @@ vertical_deg = 47.5
 """
 FOCAL = "[image]\nwidth = 64\nheight = 48\nfx = 55\nfy = 54.0\n"
 FOLDER = resources.files("viewgain.camera") / "presets"
-OPTIONAL = {"range.unambiguous", "range.modulation_hz"}
-"""What a preset may leave open: not every data sheet says it, and a structured light camera has none."""
+OPTIONAL = {"range.unambiguous", "range.modulation_hz", "systematic.scale", "systematic.offset"}
+"""What a preset may leave open: what not every data sheet says or every camera has, and the known error of one single camera."""
 
 
 def numbers(content: dict[str, Any]) -> set[str]:

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from tests.oracles.scenes import CAMERA, WELL_SEEN, scan_of
 from viewgain.camera import sensor
 from viewgain.geometry import pose, rotation_from_rotvec
-from viewgain.measure import LOOSE_PRIOR, Knowledge, marginal, measure, pose_precision, without_edge_bias
+from viewgain.measure import LOOSE_PRIOR, SYSTEMATIC, Knowledge, marginal, measure, pose_precision, without_edge_bias
+from viewgain.measure._uncertainty import COMMON_EDGES
 from viewgain.scans import Scan
 from viewgain.scenes import random_box, random_view
 
@@ -27,7 +28,7 @@ def information(rng: np.random.Generator, rows: int = 40) -> np.ndarray:
 def test_a_pose_error_integrated_out_is_the_block_of_the_joint_inverse(seed: int, size: float) -> None:
     """Schur complement against the inverse of the joint (15, 15) information of box and pose error."""
     rng = np.random.default_rng(seed)
-    box, systematic = information(rng), rng.normal(size=(9, 2))
+    box, systematic = information(rng), rng.normal(size=(9, SYSTEMATIC))
     precision = size * (np.eye(6) + 0.1 * np.ones((6, 6)))
     joint = np.block([[box, box[:, :6]], [box[:6], box[:6, :6] + precision]])
     found, shifted = marginal(box, systematic, precision)
@@ -38,7 +39,7 @@ def test_a_pose_error_integrated_out_is_the_block_of_the_joint_inverse(seed: int
 
 def test_an_exact_pose_changes_nothing_and_an_unknown_one_leaves_the_extents() -> None:
     rng = np.random.default_rng(0)
-    box, systematic = information(rng), rng.normal(size=(9, 2))
+    box, systematic = information(rng), rng.normal(size=(9, SYSTEMATIC))
     np.testing.assert_array_equal(marginal(box, systematic, None)[0], box)
     np.testing.assert_allclose(marginal(box, systematic, 1e15 * np.eye(6))[0], box, rtol=1e-3)
     lost = marginal(box, systematic, 1e-9 * np.eye(6))[0]
@@ -71,7 +72,7 @@ def test_an_edge_known_to_be_where_it_is_shown_loses_nothing() -> None:
 @given(seeds)
 def test_what_two_scans_say_adds_up(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    first, second = (Knowledge(information(rng), rng.normal(size=(9, 2)), rng.uniform(1, 3)) for _ in range(2))
+    first, second = (Knowledge(information(rng), rng.normal(size=(9, SYSTEMATIC)), rng.uniform(1, 3)) for _ in range(2))
     both = first.plus(second)
     np.testing.assert_allclose(both.information, first.information + second.information)
     np.testing.assert_allclose(both.systematic, first.systematic + second.systematic)
@@ -86,16 +87,17 @@ def test_what_two_scans_say_adds_up(seed: int) -> None:
 def test_the_covariance_is_noise_inflated_plus_calibration(seed: int, scale_sd: float, offset_sd: float) -> None:
     """Against a sum over the two errors, each of them a shift of the estimate by its own response."""
     rng = np.random.default_rng(seed)
-    known = Knowledge(information(rng), 1e3 * rng.normal(size=(9, 2)), 1.7)
-    camera = replace(CAMERA, scale_sd=scale_sd, offset_sd=offset_sd)
+    known = Knowledge(information(rng), 1e3 * rng.normal(size=(9, SYSTEMATIC)), 1.7)
+    camera = replace(CAMERA, scale_sd=scale_sd, offset_sd=offset_sd, wiggle=0.002, spread=1.3)
     inverse = np.linalg.inv(known.information + LOOSE_PRIOR)
-    shifts = [inverse @ known.systematic[:, 0] * scale_sd, inverse @ known.systematic[:, 1] * offset_sd]
-    expected = 1.7 * inverse + sum(np.outer(shift, shift) for shift in shifts)
+    deviations = (scale_sd, offset_sd, 0.002 / np.sqrt(2), 0.002 / np.sqrt(2), COMMON_EDGES)
+    shifts = [inverse @ column * deviation for column, deviation in zip(known.systematic.T, deviations, strict=True)]
+    expected = 1.7 * 1.3**2 * inverse + sum(np.outer(shift, shift) for shift in shifts)
     np.testing.assert_allclose(known.covariance(camera), expected, rtol=1e-9, atol=1e-18)
 
 
 def test_nothing_known_is_the_loose_prior() -> None:
-    spread = Knowledge(np.zeros((9, 9)), np.zeros((9, 2))).covariance(CAMERA)
+    spread = Knowledge(np.zeros((9, 9)), np.zeros((9, SYSTEMATIC))).covariance(CAMERA)
     np.testing.assert_allclose(np.sqrt(np.diag(spread)), [1, 1, 1, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5])
 
 

@@ -9,6 +9,11 @@ from viewgain.box._box import PLANE_NORMALS as PLANE_NORMALS
 from viewgain.box._box import TOP as TOP
 from viewgain.box._box import Box as Box
 from viewgain.box._box import adjoint as adjoint
+from viewgain.box._constraints import BORDER_PX as BORDER_PX
+from viewgain.box._constraints import Constraints as Constraints
+from viewgain.box._constraints import border_share as border_share
+from viewgain.box._constraints import constraints as constraints
+from viewgain.box._constraints import incidence as incidence
 from viewgain.box._raycast import Hits as Hits
 from viewgain.box._raycast import box_hits as box_hits
 from viewgain.box._raycast import entry_mask as entry_mask

@@ -142,7 +142,7 @@ def _quality(fit: Fit, parts: list[BoxEstimate]) -> Quality:
         overlap=min(part.overlap for part in alone),
         faces=_merged(seen),
         returns=sum(part.returns for part in alone),
-        cut=all(part.cut for part in alone),
+        border=min(part.border for part in alone),
     )
 
 

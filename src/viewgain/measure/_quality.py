@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from viewgain.arrays import Array, Mask
-from viewgain.box import FACES, FLOOR, PLANE_NORMALS, Box, outline
+from viewgain.box import FACES, Box, border_share, incidence
 from viewgain.measure._evidence import (
     MAX_SLENDER,
     MIN_FLAPS,
@@ -21,8 +21,6 @@ from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
 from viewgain.measure._range_image import RangeImage
 
-CUT_MARGIN_PX = 1.0
-"""An outline that comes this close to the image border is cut."""
 GRAZING = np.deg2rad(72.0)
 """A face seen at a larger mean angle of incidence is flagged as grazing."""
 FEW_POINTS = 300
@@ -79,12 +77,17 @@ class Quality:
     """Faces turned towards the camera."""
     returns: int
     """Returns on the box."""
-    cut: bool
-    """Whether the outline leaves the image."""
+    border: float
+    """Share of the outline on the image border or beyond it (viewgain.box.Constraints)."""
     evidence: Evidence = NOTHING_AGAINST
     """What the pixels say against the box."""
     size: float = np.inf
     """Cube root of the box's volume, metres."""
+
+    @property
+    def cut(self) -> bool:
+        """Whether the outline leaves the image."""
+        return self.border > 0
 
     def spans(self, axis: int) -> bool:
         """Return whether a face with many returns contains this axis of the box (0 x, 1 y, 2 z)."""
@@ -133,7 +136,7 @@ def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, 
         overlap=both / max(covered + max(float(own.sum()) - both, 0.0), 1.0),
         faces=faces,
         returns=int(returns),
-        cut=is_cut(box, image),
+        border=border_share(box, image.to_pixels, image.ranges.shape[::-1]),
         evidence=Evidence(
             relief=relief(evaluation, pixels, on_face, sigma),
             holes=behind,
@@ -177,16 +180,6 @@ def on_faces(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> Mask:
     return np.asarray(inside & (np.abs(pixels.ranges - evaluation.hits.ranges) < tolerance(pixels.ranges, sigma)))
 
 
-def is_cut(box: Box, image: RangeImage) -> bool:
-    """Return whether the outline of ``box`` leaves the image or comes within a pixel of its border."""
-    if np.any(box.corners()[:, 2] <= 0.02):
-        return True
-    u, v = image.to_pixels(outline(box).vertices).T
-    height, width = image.ranges.shape
-    margin = CUT_MARGIN_PX - 0.5
-    return bool(np.any((u < margin) | (v < margin) | (u > width - 1 - margin) | (v > height - 1 - margin)))
-
-
 def flags(quality: Quality, *, is_open: bool, touching: bool) -> tuple[str, ...]:
     """Return the names of everything a user should know about a measured box, in a fixed order."""
     named = {
@@ -203,21 +196,12 @@ def flags(quality: Quality, *, is_open: bool, touching: bool) -> tuple[str, ...]
 
 def face_views(box: Box, evaluation: Evaluation, pixels: Pixels, on_face: Mask) -> tuple[FaceView, ...]:
     """Return the faces of ``box`` that are turned towards the camera, with their returns among ``on_face`` (n,)."""
-    rotation, origin = box.box_to_camera[:3, :3], box.box_to_camera[:3, 3]
     views = []
-    for index in range(FLOOR):
-        normal = PLANE_NORMALS[index]
-        local = normal * box.extents / 2 + np.array([0, 0, box.extents[2] / 2])
-        centre = rotation @ local + origin
-        cosine = -float(rotation @ normal @ centre) / float(np.linalg.norm(centre))
-        if cosine <= 0:
-            continue
+    for index, angle in enumerate(incidence(box)):
         mine = on_face & (evaluation.hits.planes == index)
-        views.append(
-            FaceView(
-                FACES[index], float(np.arccos(min(cosine, 1.0))), int(pixels.weight[mine].sum()), _bend(evaluation, pixels, mine)
-            )
-        )
+        if np.isfinite(angle):
+            returns = int(pixels.weight[mine].sum())
+            views.append(FaceView(FACES[index], float(angle), returns, _bend(evaluation, pixels, mine)))
     return tuple(views)
 
 

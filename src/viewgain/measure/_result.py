@@ -127,6 +127,8 @@ class BoxEstimate:
             "box_to_world": _rounded(camera_to_world @ self.oriented()),
             "faces_seen": [name for name in FACES if any(face.name == name and face.seen for face in self.quality.faces)],
             "basis": list(self.basis),
+            "incidence_deg": {face.name: round(float(np.rad2deg(face.incidence)), 1) for face in self.quality.faces},
+            "border_share": round(self.quality.border, 4),
             "flags": list(self.flags),
         }
 

@@ -58,6 +58,7 @@ class Candidate:
                 for s in prediction.sights if s.returns >= MIN_FACE_PIXELS
             ],
             "cut": None if prediction is None else prediction.cut,
+            "border_share": None if prediction is None else round(prediction.border, 4),
             "reachable": self.reachable,
         }  # fmt: skip
 

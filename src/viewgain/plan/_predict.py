@@ -5,11 +5,12 @@ of outline in front of a farther background is a row of pixels that hit or miss.
 how many pixels each sample stands for, so a prediction takes about a millisecond.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Mask, Points, Pose
+from viewgain.arrays import Array, Mask, Points, Points2, Pose
 from viewgain.box import (
     FACES,
     FLOOR,
@@ -19,6 +20,7 @@ from viewgain.box import (
     EdgeDistances,
     Hits,
     box_hits,
+    constraints,
     edge_cosines,
     edge_distances,
     edge_jacobian,
@@ -26,7 +28,7 @@ from viewgain.box import (
     outline,
     range_jacobian,
 )  # fmt: skip
-from viewgain.camera import Sensor
+from viewgain.camera import Intrinsics, Sensor
 from viewgain.geometry import inverse, transform
 from viewgain.measure import SYSTEMATIC, Knowledge, common_shift, without_edge_bias
 
@@ -63,8 +65,13 @@ class Prediction:
     """Expected information and systematic gradient, box frame."""
     sights: tuple[Sight, ...]
     """Faces turned towards the camera."""
-    cut: bool
-    """Whether the outline would leave the image."""
+    border: float
+    """Share of the outline that would lie on the image border or beyond it (viewgain.box.Constraints)."""
+
+    @property
+    def cut(self) -> bool:
+        """Whether the outline would leave the image."""
+        return self.border > 0
 
 
 def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> Prediction:
@@ -82,20 +89,25 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
     seen = box.in_frame(inverse(camera_to_current))
     information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))
     if np.any(seen.corners()[:, 2] < 0.05):
-        return Prediction(Knowledge(information, systematic), (), True)
+        return Prediction(Knowledge(information, systematic), (), 1.0)
+    camera = sensor.intrinsics
+    seen_as = constraints(seen, _to_pixels(camera), (camera.width, camera.height))
     sights = []
     for face in range(FLOOR):
         points, hits, weight = _face_samples(seen, face, sensor)
-        sights += [Sight(FACES[face], float(np.arccos(hits.cosine.mean())), float(weight.sum()))] if len(points) else []
-        _add_ranges(seen, points, hits, weight, sensor, noise, information, systematic)
+        sights += [Sight(FACES[face], float(seen_as.incidence[face]), float(weight.sum()))] if len(points) else []
+        believed = weight * (1 - sensor.loss(hits.cosine))  # as in measuring: a face that loses its returns is little believed
+        _add_ranges(seen, points, hits, believed, sensor, noise, information, systematic)
     _add_ranges(seen, *_floor_samples(seen, sensor), sensor, noise, information, systematic)
     edges, shift = _edge_information(seen, sensor, noise)
     information += edges
     systematic[:, -1] += shift
-    u, v = sensor.intrinsics.project(seen.corners()).T
-    camera = sensor.intrinsics
-    cut = bool(np.any((u < 0) | (v < 0) | (u > camera.width - 1) | (v > camera.height - 1)))
-    return Prediction(Knowledge(information, systematic), tuple(sights), cut)
+    return Prediction(Knowledge(information, systematic), tuple(sights), seen_as.border)
+
+
+def _to_pixels(camera: Intrinsics) -> Callable[[Points2], Points2]:
+    """Return the map from (n, 2) normalised image points to (n, 2) pixels."""
+    return lambda image: camera.project(np.column_stack([image, np.ones(len(image))]))
 
 
 def _add_ranges(

@@ -1,0 +1,75 @@
+"""The two constraints that a time-of-flight camera puts on a view of a box: incidence on its faces, nearness to the image border.
+
+Source: the paper's third contribution names both and gives no formula; these are ours. The one definition of either: the flags
+``grazing`` and ``cut``, the covariance of cut boxes, the prediction of views and the information gain all read it here.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Array, Points2
+from viewgain.box._box import FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
+from viewgain.box._silhouette import NEAR, outline
+from viewgain.geometry import transform
+
+BORDER_PX = 1.0
+"""An outline that comes this close to the image border counts as being on it, pixels."""
+_PER_EDGE = 32
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Constraints:
+    """How a camera sees a box, as far as time of flight cares."""
+
+    incidence: Array
+    """(5,) angle between each face's normal and the line of sight to its centre, radians; NaN for a face turned away."""
+    border: float
+    """Share of the outline's length in the image that lies on the image border or beyond it, 0 to 1."""
+
+    @property
+    def cut(self) -> bool:
+        """Whether the box leaves the image."""
+        return self.border > 0
+
+
+def constraints(
+    box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[int, int], margin: float = BORDER_PX
+) -> Constraints:
+    """Return incidence and border share of ``box`` as a camera sees it.
+
+    Args:
+        box: The box, in the camera's frame.
+        to_pixels: The camera: (n, 2) normalised image points to (n, 2) pixel coordinates (u, v).
+        size: (width, height) of the image, pixels.
+        margin: How close to the border counts as on it, pixels.
+
+    Returns:
+        A border share of 1 for a box that reaches behind the camera.
+    """
+    return Constraints(incidence(box), border_share(box, to_pixels, size, margin))
+
+
+def incidence(box: Box) -> Array:
+    """Return the (5,) angle of incidence at the centre of each face, radians; NaN for a face turned away from the camera."""
+    normals = PLANE_NORMALS[:FLOOR]
+    centres = PLANE_EXTENTS[:FLOOR] * normals.sum(axis=1, keepdims=True) * box.extents
+    centres[:, 2] += np.where(normals[:, 2] == 0, box.extents[2] / 2, 0.0)
+    seen = transform(box.box_to_camera, centres)
+    cosine = -np.sum(seen * (normals @ box.box_to_camera[:3, :3].T), axis=1) / np.linalg.norm(seen, axis=1)
+    return np.asarray(np.arccos(np.where(cosine > 0, np.minimum(cosine, 1.0), np.nan)))
+
+
+def border_share(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[int, int], margin: float = BORDER_PX) -> float:
+    """Return the share of the outline's length on the image border or beyond it; arguments as :func:`constraints`."""
+    if np.any(box.corners()[:, 2] <= NEAR):
+        return 1.0
+    start = outline(box).vertices
+    side = np.roll(start, -1, axis=0) - start
+    along = np.linspace(0.0, 1.0, _PER_EDGE, endpoint=False)  # from vertex to vertex: an extreme point is never missed
+    u, v = to_pixels((start[:, None] + along[:, None] * side[:, None]).reshape(-1, 2)).T
+    low, high = margin - 0.5, np.array(size) - 0.5 - margin
+    outside = (u < low) | (v < low) | (u > high[0]) | (v > high[1])
+    length = np.repeat(np.linalg.norm(side, axis=1), _PER_EDGE)
+    return float(length[outside].sum() / max(length.sum(), 1e-12))

@@ -1,0 +1,82 @@
+"""Incidence and border share: cases checked by hand, laws, and the flags that read them."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import ConvexHull
+
+from tests.box.cases import boxes
+from viewgain.box import FACES, Box, border_share, constraints, incidence
+from viewgain.camera import Intrinsics
+from viewgain.geometry import inverse
+from viewgain.scenes import orbit_pose, standing_box
+
+CAMERA = Intrinsics.from_field_of_view(224, 171, *np.deg2rad([62.0, 45.0]))
+SIZE = (CAMERA.width, CAMERA.height)
+
+
+def to_pixels(image: np.ndarray) -> np.ndarray:
+    return CAMERA.project(np.column_stack([image, np.ones(len(image))]))
+
+
+def overhead(height: float) -> Box:
+    """A cube of 0.2 m under a camera that looks straight down on its centre."""
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = height
+    return Box(pose, np.array([0.2, 0.2, 0.2]))
+
+
+def test_from_straight_above_only_the_top_is_seen_and_head_on() -> None:
+    angles = incidence(overhead(1.0))
+    assert angles[FACES.index("top")] == pytest.approx(0.0, abs=1e-7)
+    assert np.all(np.isnan(np.delete(angles, FACES.index("top"))))
+
+
+def test_a_front_seen_from_its_side_by_45_degrees() -> None:
+    box = standing_box(np.array([0.4, 0.4, 0.4]))
+    camera = orbit_pose(np.array([0.2, 0.0, 0.2]), np.deg2rad(45.0), 0.0, 1.0)  # looks at the centre of the face +x
+    angles = incidence(box.in_frame(inverse(camera)))
+    assert np.rad2deg(angles[FACES.index("+x")]) == pytest.approx(45.0)
+    assert np.isnan(angles[FACES.index("-x")])
+
+
+def test_a_box_in_the_middle_touches_no_border_and_a_near_one_all_of_it() -> None:
+    assert border_share(overhead(1.0), to_pixels, SIZE) == 0.0
+    assert border_share(overhead(0.25), to_pixels, SIZE) == 1.0
+    assert border_share(overhead(0.1), to_pixels, SIZE) == 1.0  # reaches behind the camera
+
+
+def test_the_border_share_is_the_share_of_points_strewn_along_the_outline() -> None:
+    """The slow way: 20,000 points on the convex hull of the corners, each asked whether it is within a pixel of the border."""
+    rng, box = np.random.default_rng(0), overhead(1.0)
+    for right in (0.30, 0.45, 0.55):
+        shift = np.eye(4)
+        shift[0, 3] = right
+        moved = box.in_frame(shift)
+        corners = moved.corners()[:, :2] / moved.corners()[:, 2:]
+        ends = ConvexHull(corners).simplices
+        length = np.linalg.norm(corners[ends[:, 0]] - corners[ends[:, 1]], axis=1)
+        side = ends[rng.choice(len(ends), 20_000, p=length / length.sum())]
+        share = rng.uniform(size=(20_000, 1))
+        u, v = to_pixels(corners[side[:, 0]] * share + corners[side[:, 1]] * (1 - share)).T
+        on_border = (u < 0.5) | (v < 0.5) | (u > CAMERA.width - 1.5) | (v > CAMERA.height - 1.5)
+        assert border_share(moved, to_pixels, SIZE) == pytest.approx(on_border.mean(), abs=0.02)
+
+
+@settings(max_examples=40)
+@given(boxes, st.floats(0.0, 20.0))
+def test_a_wider_margin_never_makes_the_border_share_smaller(box: Box, more: float) -> None:
+    assert border_share(box, to_pixels, SIZE, 1.0 + more) >= border_share(box, to_pixels, SIZE, 1.0)
+
+
+@settings(max_examples=40)
+@given(boxes)
+def test_shares_and_angles_are_within_their_bounds_and_opposite_faces_never_both_seen(box: Box) -> None:
+    seen = constraints(box, to_pixels, SIZE)
+    assert 0 <= seen.border <= 1
+    assert seen.cut == (seen.border > 0)
+    facing = np.isfinite(seen.incidence)
+    assert np.all(seen.incidence[facing] < np.pi / 2)
+    assert not (facing[0] and facing[1])
+    assert not (facing[2] and facing[3])
