@@ -10,10 +10,10 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-sim setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim setup clean
 
 help: ## List the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 demo: $(VENV)/demo.stamp ## Run the worked example and write demo-report/
 	$(BIN)/viewgain demo --out demo-report
@@ -36,6 +36,9 @@ format: $(VENV)/dev.stamp ## Sort imports and format the code in place
 
 bench: $(VENV)/dev.stamp ## Run the benchmarks (ARGS="..." is passed on)
 	$(BIN)/python -m benchmarks $(ARGS)
+
+bench-volume: $(VENV)/dev.stamp ## Print every accuracy table of docs/accuracy.md; ARGS="--scenes 20" is the quick look
+	$(BIN)/python -m benchmarks volume accuracy calibration fusion stacks not-a-box enclosing real $(ARGS)
 
 bench-sim: $(VENV)/dev.stamp ## Time the simulator, with the whole synthetic set of the paper
 	$(BIN)/python -m benchmarks simulation --captures 1000 $(ARGS)

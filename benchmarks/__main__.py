@@ -17,9 +17,11 @@ from benchmarks import (
     real_tof,
     simulation,
     stacks,
+    volume,
 )
 
 BENCHMARKS = {
+    "volume": volume.run,
     "accuracy": accuracy.run,
     "lines": lines.run,
     "closed-loop": closed_loop.run,
@@ -41,10 +43,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(BENCHMARKS)}; default all")
     parser.add_argument(
-        "--scenes", type=int, default=200, help="scenes of closed-loop, fusion (pairs) and calibration (default 200)"
+        "--scenes",
+        type=int,
+        help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
+        " (504) and enclosing (500)",
     )
     parser.add_argument(
-        "--workers", type=int, default=2, help="processes for closed-loop, fusion, calibration and simulation (default 2)"
+        "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"
     )
     parser.add_argument("--cameras", nargs="*", help="calibration: presets (default all)")
     parser.add_argument(
@@ -53,7 +58,9 @@ def main() -> None:
     parser.add_argument(
         "--oracle", action="store_true", help="closed-loop: also the best of the eight views, by the truth (slow)"
     )
-    parser.add_argument("--pictures", type=Path, help="published-noise, real-tof: also draw, into this folder")
+    parser.add_argument(
+        "--pictures", type=Path, help="volume, calibration, published-noise, real-tof: also draw, into this folder"
+    )
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)
     if unknown:

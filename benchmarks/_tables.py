@@ -27,13 +27,13 @@ def bootstrap(
 
 
 def wilson(hits: int, total: int) -> tuple[float, float]:
-    """Return the 95 % Wilson interval of a share."""
+    """Return the 95 % Wilson interval of a share, within 0 and 1; all of that without a trial."""
     if total == 0:
         return 0.0, 1.0
     z, p = 1.96, hits / total
     centre = (p + z * z / (2 * total)) / (1 + z * z / total)
     half = z / (1 + z * z / total) * math.sqrt(p * (1 - p) / total + z * z / (4 * total * total))
-    return centre - half, centre + half
+    return max(centre - half, 0.0), min(centre + half, 1.0)
 
 
 def percent(value: float, digits: int = 2) -> str:

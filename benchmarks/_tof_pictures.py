@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -15,11 +15,9 @@ from benchmarks import _tof_measures as measures
 from benchmarks import _tof_views as views
 from benchmarks._tables import wilson
 from benchmarks._tof_measures import Patches, Profile
+from benchmarks._tof_pairs import EDGE_PX, INCIDENCES, LOSS_DEG, Pair, noise_of
 from viewgain.arrays import Array
 from viewgain.box import FACES, outline
-
-if TYPE_CHECKING:
-    from benchmarks.real_tof import Pair
 
 REAL, SIMULATED, WITHOUT = "#d55e00", "#0072b2", "#009e73"
 """Vermilion, blue and green of Okabe and Ito."""
@@ -28,7 +26,7 @@ _STYLE: Any = {"font.size": 10, "axes.spines.top": False, "axes.spines.right": F
 _NAMES = {"kinect_v2": "Kinect v2 (fau)", "sick_visionary_t": "Visionary-T (sick)", "xtion": "structured light (trai)"}
 
 
-def draw(pairs: "Sequence[Pair]", folder: Path) -> None:
+def draw(pairs: Sequence[Pair], folder: Path) -> None:
     """Write all pictures into a folder."""
     with mpl.rc_context(_STYLE):
         _noise(pairs, folder)
@@ -66,9 +64,7 @@ def _line(
     axes.plot(at, scale * profile.mean, style, color=colour, marker="o", markersize=3.5, linewidth=1.6, label=label)
 
 
-def _noise(pairs: "Sequence[Pair]", folder: Path) -> None:
-    from benchmarks.real_tof import INCIDENCES, noise_of
-
+def _noise(pairs: Sequence[Pair], folder: Path) -> None:
     figure, axes = _figure(10, 4.3, 1, 3)
     for panel, (camera, name) in zip(axes[0], _NAMES.items(), strict=True):
         parts = [noise_of(pair) for pair in pairs if pair.case.camera == camera]
@@ -109,7 +105,7 @@ _SHOWN = (
 )
 
 
-def _bends(pairs: "Sequence[Pair]", folder: Path) -> None:
+def _bends(pairs: Sequence[Pair], folder: Path) -> None:
     figure, axes = _figure(10, 6.6, 2, 4)
     for column, (title, name) in enumerate(_SHOWN):
         pair = next(pair for pair in pairs if pair.case.title == title)
@@ -131,7 +127,7 @@ def _bends(pairs: "Sequence[Pair]", folder: Path) -> None:
     _save(figure, folder / "sensors-bend.png")
 
 
-def _halo(pairs: "Sequence[Pair]", folder: Path) -> None:
+def _halo(pairs: Sequence[Pair], folder: Path) -> None:
     figure, axes = _figure(8, 3.6, 1, 2, sharey=True)
     for panel, (title, name) in zip(axes[0], _SHOWN[:2], strict=True):
         pair = next(pair for pair in pairs if pair.case.title == title)
@@ -144,9 +140,7 @@ def _halo(pairs: "Sequence[Pair]", folder: Path) -> None:
     _save(figure, folder / "sensors-halo.png")
 
 
-def _flying(pairs: "Sequence[Pair]", folder: Path) -> None:
-    from benchmarks.real_tof import EDGE_PX
-
+def _flying(pairs: Sequence[Pair], folder: Path) -> None:
     shown = (
         ("fau 1", False, "Kinect v2, fau 1, lit"),
         ("fau 1", True, "the same, in the lamp's shadow"),
@@ -171,9 +165,7 @@ def _flying(pairs: "Sequence[Pair]", folder: Path) -> None:
     _save(figure, folder / "sensors-flying.png")
 
 
-def _missing(pairs: "Sequence[Pair]", folder: Path) -> None:
-    from benchmarks.real_tof import LOSS_DEG
-
+def _missing(pairs: Sequence[Pair], folder: Path) -> None:
     shown = (("fau 1", "Kinect v2, fau 1"), ("fau 2", "Kinect v2, fau 2"), ("sick", "Visionary-T"))
     figure, axes = _figure(10, 3.9, 1, 3, sharey=True)
     middle = (LOSS_DEG[:-1] + LOSS_DEG[1:]) / 2
@@ -199,7 +191,7 @@ def _missing(pairs: "Sequence[Pair]", folder: Path) -> None:
     _save(figure, folder / "sensors-missing.png")
 
 
-def _ranges(pair: "Pair", path: Path) -> None:
+def _ranges(pair: Pair, path: Path) -> None:
     real, simulated = views.range_picture(pair.real), views.range_picture(pair.simulated[0])
     shape = outline(pair.setup.boxes[0]).vertices
     pixels = pair.setup.camera.project(np.column_stack([shape, np.ones(len(shape))]))

@@ -24,6 +24,8 @@ FARTHEST = 2.0
 ELEVATION_DEG = (15.0, 90.0)
 AIM_SD = 0.05
 """Standard deviation of where the camera is aimed, per axis, metres."""
+SCENES = 200
+"""Scans per camera unless ``--scenes`` says otherwise."""
 REPORTED = 10_000
 """First seed of the reported scans; lower seeds were looked at while the estimator was built."""
 
@@ -60,12 +62,17 @@ class Outcome:
 
 def run(options: argparse.Namespace) -> None:
     """Print coverage, sharpness, success and bias per camera preset."""
-    names = options.cameras or PRESETS
+    names, scenes = options.cameras or PRESETS, options.scenes or SCENES
     rows, offs = [], []
     for name in names:
-        rows.append((name, *_row(outcomes(name, options.scenes, options.workers))))
-        offs.append((name, *_bias(outcomes(name, options.scenes, options.workers, systematic=False))))
-    print(f"## Error bars: {options.scenes} fresh scans per camera\n")
+        results = outcomes(name, scenes, options.workers)
+        rows.append((name, *_row(results)))
+        offs.append((name, *_bias(outcomes(name, scenes, options.workers, systematic=False))))
+        if options.pictures is not None:
+            from benchmarks._accuracy_pictures import draw_outcomes
+
+            draw_outcomes(name, results, options.pictures / f"accuracy-views-{name}.png")
+    print(f"## Error bars: {scenes} fresh scans per camera\n")
     print(
         f"Boxes of 0.1 to 0.6 m a side, all azimuths, elevation 15 to 90 degrees, centre from the camera's least range (plus half"
         f" the box's diagonal) to {FARTHEST:.0f} m, everything simulated but multipath; camera scale and offset drawn per scan.\n"

@@ -16,6 +16,7 @@ from viewgain.simulate import single_threads
 
 RANGES = SceneRanges(aim_sd=0.15)
 CAMERA = "pico_flexx"
+SCENES = 200
 FIRST_SEED = 1000
 """Scenes 0 to 199 were looked at while the planner was built; what is reported starts here."""
 _SETTING = f"""\
@@ -42,14 +43,11 @@ class FixedPolicy:
 
 def run(options: argparse.Namespace) -> None:
     """Print the table."""
+    scenes = options.scenes or SCENES
     with single_threads(), ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
-        errors = list(
-            pool.map(
-                _scene_errors, range(FIRST_SEED, FIRST_SEED + options.scenes), [options.oracle] * options.scenes, chunksize=5
-            )
-        )
+        errors = list(pool.map(_scene_errors, range(FIRST_SEED, FIRST_SEED + scenes), [options.oracle] * scenes, chunksize=5))
     table = {name: np.array([error[name] for error in errors]) for name in errors[0]}
-    print(f"## Closed loop: volume error after the second view, {options.scenes} seeded scenes, rig ring8, camera {CAMERA}\n")
+    print(f"## Closed loop: volume error after the second view, {scenes} seeded scenes, rig ring8, camera {CAMERA}\n")
     print(_SETTING)
     rows = []
     for name, values in table.items():

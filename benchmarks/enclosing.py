@@ -29,10 +29,11 @@ def run(options: argparse.Namespace) -> None:
     if data_folder() is None:
         print("The meshes are not there (set VIEWGAIN_DATA to their folder); nothing measured.\n")
         return
+    scenes = options.scenes or SCENES
     with single_threads(), ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
-        found = [row for row in pool.map(scored, range(FIRST_SEED, FIRST_SEED + SCENES), chunksize=5) if row is not None]
+        found = [row for row in pool.map(scored, range(FIRST_SEED, FIRST_SEED + scenes), chunksize=5) if row is not None]
     measured, seen_kind = np.array([row[1] for row in found]), np.array([row[2] for row in found])
-    print(f"## Enclosing boxes of {SCENES} mesh scenes, {len(found)} measured (seeds {FIRST_SEED} on)\n")
+    print(f"## Enclosing boxes of {scenes} mesh scenes, {len(found)} measured (seeds {FIRST_SEED} on)\n")
     print("Share of 90 % intervals that hold the truth (95 % Wilson interval), by kinds the calibration saw and did not see.\n")
     header = (
         "quantity",

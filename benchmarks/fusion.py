@@ -18,6 +18,8 @@ from viewgain.scenes import Scene, SceneRanges, random_box, random_view
 from viewgain.simulate import single_threads
 
 CAMERAS = ("pico_flexx", "xtion")
+PAIRS = 200
+"""Scenes with two views unless ``--scenes`` says otherwise; those with more views are fewer."""
 FIRST_SEED = 0
 """What is reported starts here; while the fusion was built, seeds from 100000 on were looked at."""
 MARGIN_PX = 3.0
@@ -91,7 +93,8 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _cases(name: str, count: int, options: argparse.Namespace) -> list["_Case"]:
-    number = options.scenes if count == 2 else max(options.scenes // (5 * (count - 1)), 5)
+    pairs = options.scenes or PAIRS
+    number = pairs if count == 2 else max(pairs // (5 * (count - 1)), 5)
     seeds = range(FIRST_SEED, FIRST_SEED + number)
     with single_threads(), ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
         return list(pool.map(_fused_case, [name] * number, [count] * number, seeds, chunksize=2))

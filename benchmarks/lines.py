@@ -1,4 +1,7 @@
-"""The paper's estimator (planes, lines, corners), as published and mended, beside the state of practice, on boxbench."""
+"""The paper's estimator (planes, lines, corners), as published and mended, beside the state of practice, on boxbench.
+
+``python -m benchmarks volume`` puts our own estimator beside them.
+"""
 
 import argparse
 import time
@@ -13,17 +16,16 @@ from benchmarks._practice import practice_dimensions
 from benchmarks._tables import bootstrap, markdown, percent, wilson
 from benchmarks.protocol import Sample, boxbench, generated
 from viewgain.planes import AS_PUBLISHED, MENDED, measure_lines
-from viewgain.scans import Scan
 
-Estimator = Callable[[Scan], NDArray[np.float64] | None]
-"""A scan's (3,) dimensions, or None without an answer."""
+Estimator = Callable[[Sample], NDArray[np.float64] | None]
+"""A sample's (3,) dimensions, or None without an answer."""
 
 ESTIMATORS: dict[str, Estimator] = {
-    "lines, as published": lambda scan: measure_lines(scan, AS_PUBLISHED).dimensions,
-    "corners, as published": lambda scan: measure_lines(scan, AS_PUBLISHED.using("corners")).dimensions,
-    "lines, mended": lambda scan: measure_lines(scan, MENDED).dimensions,
-    "corners, mended": lambda scan: measure_lines(scan, MENDED.using("corners")).dimensions,
-    "practice": practice_dimensions,
+    "lines, as published": lambda sample: measure_lines(sample.scan, AS_PUBLISHED).dimensions,
+    "corners, as published": lambda sample: measure_lines(sample.scan, AS_PUBLISHED.using("corners")).dimensions,
+    "lines, mended": lambda sample: measure_lines(sample.scan, MENDED).dimensions,
+    "corners, mended": lambda sample: measure_lines(sample.scan, MENDED.using("corners")).dimensions,
+    "practice": lambda sample: practice_dimensions(sample.scan),
 }
 """What is compared: planes and lines, and RANSAC floor, top height and smallest rectangle."""
 
@@ -60,25 +62,24 @@ def run(options: argparse.Namespace) -> None:
     source = "boxbench's protocol, drawn by our own simulator (seed 0)" if folder is None else "boxbench: 128 scans"
     print(f"## Planes, lines and corners on {source}\n")
     print("Relative volume error; median, p90 and bias over returned volumes, shares over all scans (none is a miss).\n")
-    outcomes = {name: evaluate(name, samples) for name in ESTIMATORS}
-    table = [(name, band, *_summary(_within(rows, band))) for name, rows in outcomes.items() for band in BANDS]
-    print(markdown(_HEADER, table))
+    outcomes = {name: evaluate(estimator, samples) for name, estimator in ESTIMATORS.items()}
+    table = [(name, band, *summary(within(rows, band))) for name, rows in outcomes.items() for band in BANDS]
+    print(markdown(HEADER, table))
     print()
-    whole = [(name, "box in image", *_summary([row for row in rows if not row.cut])) for name, rows in outcomes.items()]
-    print(markdown(_HEADER, whole))
+    whole = [(name, "box in image", *summary([row for row in rows if not row.cut])) for name, rows in outcomes.items()]
+    print(markdown(HEADER, whole))
     print()
     for name, rows in outcomes.items():
-        small = 1e3 * np.array([row.seconds for row in rows if row.pixels < 100_000])
-        print(f"{name}: {np.median(small):.0f} ms per 224x171 scan (p90 {np.quantile(small, 0.9):.0f}), processor time.")
+        print(f"{name}: {milliseconds(rows)} per 224x171 scan (median, p90), processor time.")
     print()
 
 
-def evaluate(name: str, samples: Sequence[Sample]) -> list[Row]:
-    """Return one row per sample for the estimator of that name (a key of :data:`ESTIMATORS`)."""
+def evaluate(estimator: Estimator, samples: Sequence[Sample]) -> list[Row]:
+    """Return one row per sample."""
     rows = []
     for sample in samples:
         start = time.process_time()
-        dimensions = ESTIMATORS[name](sample.scan)
+        dimensions = estimator(sample)
         seconds = time.process_time() - start
         signed = np.nan if dimensions is None else float(np.prod(dimensions) / np.prod(sample.dims) - 1)
         height, width = sample.scan.shape or (0, 0)
@@ -86,15 +87,23 @@ def evaluate(name: str, samples: Sequence[Sample]) -> list[Row]:
     return rows
 
 
-_HEADER = ("estimator", "folded azimuth", "n", "success", "95 %", "median", "95 %", "p90", "bias", "< 10 %", "< 20 %")
+HEADER = ("estimator", "folded azimuth", "n", "success", "95 %", "median", "95 %", "p90", "bias", "< 10 %", "< 20 %")
 
 
-def _within(rows: list[Row], band: str) -> list[Row]:
+def milliseconds(rows: Sequence[Row]) -> str:
+    """Return median and 90th percentile of the time of the 224x171 scans (or those of a quarter turn)."""
+    small = 1e3 * np.array([row.seconds for row in rows if row.pixels < 100_000])
+    return f"{np.median(small):.0f} ms, {np.quantile(small, 0.9):.0f} ms"
+
+
+def within(rows: list[Row], band: str) -> list[Row]:
+    """Return the rows of a band of folded azimuth (a key of :data:`BANDS`)."""
     low, high = BANDS[band]
     return [row for row in rows if low <= row.folded < high or row.folded == high == 45]
 
 
-def _summary(rows: list[Row]) -> list[str]:
+def summary(rows: list[Row], digits: int = 1) -> list[str]:
+    """Return the cells under :data:`HEADER` from ``n`` on; errors in per cent with so many digits."""
     signed = np.array([row.signed for row in rows])
     found = signed[np.isfinite(signed)]
     low, high = wilson(len(found), len(rows))
@@ -104,7 +113,7 @@ def _summary(rows: list[Row]) -> list[str]:
     error = np.abs(found)
     below, above = bootstrap(error, np.median)
     return [
-        *cells, percent(float(np.median(error)), 1), f"{percent(below, 1)} to {percent(above, 1)}",
-        percent(float(np.quantile(error, 0.9)), 1), f"{100 * np.median(found):+.1f} %",
+        *cells, percent(float(np.median(error)), digits), f"{percent(below, digits)} to {percent(above, digits)}",
+        percent(float(np.quantile(error, 0.9)), digits), f"{100 * np.median(found):+.{digits}f} %",
         *(f"{np.sum(error < limit) / len(rows):.2f}" for limit in (0.1, 0.2)),
     ]  # fmt: skip

@@ -13,6 +13,7 @@ from viewgain.scenes import Scene, SceneRanges, random_box, random_view
 from viewgain.simulate import Effects, capture, single_threads
 
 CAMERA = "pico_flexx"
+SCENES = 200
 CASES = {
     "noise and losses only": (Effects.only("noise", "loss"), (0.5, 0.5)),
     "all but multipath": (Effects().without("multipath"), (0.5, 0.5)),
@@ -25,9 +26,10 @@ CASES = {
 def run(options: argparse.Namespace) -> None:
     """Print the table."""
     rows = []
+    scenes = options.scenes or SCENES
     with single_threads(), ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
         for name in CASES:
-            found = np.array(list(pool.map(_error, [name] * options.scenes, range(options.scenes), chunksize=5)))
+            found = np.array(list(pool.map(_error, [name] * scenes, range(scenes), chunksize=5)))
             signed, inside = found.T
             size = np.abs(signed)
             low, high = bootstrap(size, np.median)
@@ -35,7 +37,7 @@ def run(options: argparse.Namespace) -> None:
             median, lower, upper, late = (percent(number) for number in numbers)
             bias, held = f"{100 * np.median(signed):+.2f} %", f"{inside.mean():.3f}"
             rows.append((name, f"{np.mean(signed > -1):.3f}", median, f"{lower} to {upper}", late, bias, held))
-    print(f"## What multipath costs the estimator: {options.scenes} random boxes and views, {CAMERA}, no systematic error\n")
+    print(f"## What multipath costs the estimator: {scenes} random boxes and views, {CAMERA}, no systematic error\n")
     print(
         markdown(
             ("effects", "success", "median |error|", "95 % of the median", "p90 |error|", "bias", "90 % intervals hold"), rows

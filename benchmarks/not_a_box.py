@@ -24,8 +24,9 @@ SCENES = 504
 
 def run(options: argparse.Namespace) -> None:
     """Print the share of scenes in which a box is reported, by kind."""
+    scenes = options.scenes or SCENES
     with single_threads(), ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:
-        answers = list(pool.map(answer, range(FIRST_SEED, FIRST_SEED + SCENES), chunksize=6))
+        answers = list(pool.map(answer, range(FIRST_SEED, FIRST_SEED + scenes), chunksize=6))
     rows = [_row(kind, [reason for name, reason in answers if name == kind]) for kind in KINDS]
     rows.append(_row("all", [reason for _, reason in answers]))
     print(f"## Scenes without a box ({' and '.join(CAMERAS)}, all effects but multipath, seeds {FIRST_SEED} on)\n")

@@ -5,8 +5,9 @@ own. Run ``python -m benchmarks accuracy``: it measures both where the files are
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,27 @@ class Sample:
         """Angle between the line of sight and the nearest face's normal, 0 (face-on) to 45 (edge-on) degrees."""
         turned = self.azimuth_deg % 90
         return float(min(turned, 90 - turned))
+
+    @property
+    def view(self) -> NDArray[np.float64]:
+        """(3,) folded azimuth and elevation, degrees, and distance, metres, all as to the box's centre."""
+        assert self.scan.camera_to_world is not None
+        sight = self.scan.camera_to_world[:3, 3] - (0.0, 0.0, self.dims[2] / 2)
+        distance = float(np.linalg.norm(sight))
+        return np.array([self.folded_azimuth, np.rad2deg(np.arcsin(sight[2] / distance)), distance])
+
+
+@cache
+def median_volume() -> float:
+    """Return the median volume of the protocol's boxes, cubic metres: the answer of one who does not look."""
+    return float(np.median(np.prod(np.random.default_rng(0).uniform(*DIMS, (10000, 3)), axis=1)))
+
+
+def spread(samples: Sequence[Sample], count: int | None) -> list[Sample]:
+    """Return ``count`` samples from all over, always the same; all of them for None, or if there are no more."""
+    if count is None or count >= len(samples):
+        return list(samples)
+    return [samples[k] for k in sorted(np.random.default_rng(0).permutation(len(samples))[:count])]
 
 
 def camera_of(name: str, noise: float, intrinsics: Intrinsics) -> Sensor:

@@ -1,13 +1,15 @@
-"""The public real scans: what comes out, beside what is known of them."""
+"""The public real scans: what comes out, beside what is known of them; one box in several scans; the next view."""
 
 import argparse
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
 from benchmarks._data import data_folder
-from benchmarks._tables import markdown
+from benchmarks._tables import markdown, percent
 from viewgain.cli._text import plan_words
-from viewgain.measure import measure
+from viewgain.measure import BoxEstimate, Measurement, fuse_measurements, measure
 from viewgain.plan import next_view
 from viewgain.scans import read_scan
 
@@ -15,6 +17,8 @@ SCANS = {
     "trai_tof/vedere1_small_box.ply": "volume 0.0169-0.0175 m3",
     "trai_tof/vedere1.pcd": "the same box",
     "trai_tof/vedere2.pcd": "the same box, other view",
+    "trai_tof/Vedere_1_final.pcd": "the box's points of vedere1.pcd, no floor",
+    "trai_tof/Vedere_2_final.pcd": "the box's points of vedere2.pcd, no floor",
     "trai_tof/vedere1_large_box.ply": "0.73 x 0.69 x 0.38 (measured by others)",
     "trai_tof/vedere1_large_box_down.ply": "the same box, lying",
     "trai_tof/vedere1_2boxes.ply": "both",
@@ -25,35 +29,102 @@ SCANS = {
 }
 """Public scans (sources and licences: docs/accuracy.md) and what is known of their boxes, metres."""
 
+VIEWS = {
+    "small box": (
+        0.01689,
+        (
+            "trai_tof/vedere1_small_box.ply",
+            "trai_tof/vedere1.pcd",
+            "trai_tof/vedere2.pcd",
+            "trai_tof/vedere1_2boxes.ply",
+        ),
+    ),
+    "Kinect carton": (0.445 * 0.353 * 0.192, ("fau_kinect2/example1.npz", "fau_kinect2/example2.npz")),
+}
+"""Boxes seen in several scans: the volume each is thought to have, cubic metres, and the scans."""
+
 
 def run(options: argparse.Namespace) -> None:
-    """Print one row per box, then the ranking of ring8 per scan."""
+    """Print one row per box, the spread over several scans of one box, then the ranking of ring8 per scan."""
     del options
     folder = data_folder()
     if folder is None:
         print("The real scans are not there (set VIEWGAIN_DATA to their folder); nothing measured.\n")
         return
-    rows, plans = [], []
-    for name, known in SCANS.items():
-        result = measure(read_scan(folder / "real_boxes" / name))
-        for box in result.boxes:
-            sizes = " x ".join(f"{d:.3f}{'+' if b == 'open' else ''}" for d, b in zip(box.dimensions, box.basis, strict=True))
-            sigmas = ", ".join("open" if s is None else f"{1e3 * s:.1f}" for s in box.sigma)
-            spread = "open" if box.volume_sigma is None else f"{box.volume_sigma:.5f}"
-            rows.append((name, sizes, sigmas, f"{box.volume:.5f} ± {spread}", ", ".join(box.flags) or "-", known))
-            known = ""
-        if not result.boxes:
-            rows.append((name, result.reason, "", "", "", known))
-        plan = next_view(result)
-        if plan.best is not None:
-            best = plan.candidates[plan.best]
-            faces = ", ".join(
-                f"{s.name} {np.rad2deg(s.incidence):.0f}°" for s in best.assessment.prediction.sights if s.returns >= 25
-            )  # type: ignore[union-attr]
-            scores = " ".join(f"{c.assessment.score:.2f}" for c in plan.candidates)
-            plans.append((name, scores, f"{plan.best}: {plan_words(plan, plan.best)}", faces, "yes" if plan.stop else "no"))
+    results = _measured(folder / "real_boxes")
     print("## Real scans\n\nA + marks a lower bound. Fits are by default settings: camera unknown, noise from the scan.\n")
-    print(markdown(("scan", "length x width x height [m]", "sigma [mm]", "volume [m3]", "flags", "known"), rows))
+    header = ("scan", "length x width x height [m]", "sigma [mm]", "volume [m3]", "90 % interval [m3]", "flags", "known")
+    print(markdown(header, [row for name, result in results.items() for row in _rows(name, result)]))
+    _print_views(results)
     print("\n## Next view on them, rig ring8\n")
+    plans = [row for name, result in results.items() for row in _plan(name, result)]
     print(markdown(("scan", "scores of views 0-7", "best", "it would see", "stop at 5 %, 95 %"), plans))
     print()
+
+
+def _measured(folder: Path) -> dict[str, Measurement]:
+    return {name: measure(read_scan(folder / name)) for name in SCANS}
+
+
+def _rows(name: str, result: Measurement) -> list[tuple[str, ...]]:
+    """Return a row per box, or one with the reason why there is none; what is known stands in the first."""
+    if not result.boxes:
+        return [(name, f"none: {result.reason}", "", "", "", "", SCANS[name])]
+    known = [SCANS[name], *[""] * (len(result.boxes) - 1)]
+    return [(name, *_cells(box), told) for box, told in zip(result.boxes, known, strict=True)]
+
+
+def _cells(box: BoxEstimate) -> tuple[str, ...]:
+    sizes = " x ".join(f"{d:.3f}{'+' if b == 'open' else ''}" for d, b in zip(box.dimensions, box.basis, strict=True))
+    sigmas = ", ".join("open" if s is None else f"{1e3 * s:.1f}" for s in box.sigma)
+    return sizes, sigmas, f"{box.volume:.5f}", _interval(box), ", ".join(box.flags) or "-"
+
+
+def _interval(box: BoxEstimate) -> str:
+    low, high = box.volume_interval90
+    return f"{low:.5f} to {'open' if high is None else f'{high:.5f}'}"
+
+
+def _print_views(results: dict[str, Measurement]) -> None:
+    """Print what several scans of one box say of it, each alone and fused without poses."""
+    print("\n### One box in several scans\n")
+    print("The box of a scan is the one nearest in volume to what is thought. Spread: standard deviation over the scans.\n")
+    rows = [_views_row(name, volume, [results[scan] for scan in scans]) for name, (volume, scans) in VIEWS.items()]
+    header = ("box", "scans", "thought [m3]", "mean [m3]", "spread", "least to most [m3]", "90 % intervals that hold it")
+    print(markdown((*header, "median half-width", "fused without poses [m3]", "holds it"), rows))
+
+
+def _views_row(name: str, volume: float, results: Sequence[Measurement]) -> tuple[object, ...]:
+    boxes = [box for result in results if (box := _nearest(result, volume)) is not None]
+    found = np.array([box.volume for box in boxes])
+    half = [np.ptp([np.inf if end is None else end for end in box.volume_interval90]) / 2 / box.volume for box in boxes]
+    fused = fuse_measurements(list(results))
+    both = _nearest(fused, volume)
+    joint = ("-", "-") if both is None else (f"{both.volume:.5f} ({_interval(both)})", "yes" if _holds(both, volume) else "no")
+    return (
+        name, f"{len(boxes)} of {len(results)}", f"{volume:.5f}", f"{found.mean():.5f}",
+        percent(float(found.std(ddof=1) / found.mean()), 1),
+        f"{found.min():.5f} to {found.max():.5f}", f"{sum(_holds(box, volume) for box in boxes)} of {len(boxes)}",
+        percent(float(np.median(half)), 1), *joint,
+    )  # fmt: skip
+
+
+def _nearest(result: Measurement, volume: float) -> BoxEstimate | None:
+    return min(result.boxes, key=lambda box: abs(np.log(box.volume / volume)), default=None)
+
+
+def _holds(box: BoxEstimate, volume: float) -> bool:
+    low, high = box.volume_interval90
+    return low <= volume and (high is None or volume <= high)
+
+
+def _plan(name: str, result: Measurement) -> list[tuple[str, ...]]:
+    """Return the row of the next view; none where no view can be ranked."""
+    plan = next_view(result)
+    if plan.best is None:
+        return []
+    best = plan.candidates[plan.best]
+    seen = [sight for sight in best.assessment.prediction.sights if sight.returns >= 25]  # type: ignore[union-attr]
+    faces = ", ".join(f"{sight.name} {np.rad2deg(sight.incidence):.0f}°" for sight in seen)
+    scores = " ".join(f"{candidate.assessment.score:.2f}" for candidate in plan.candidates)
+    return [(name, scores, f"{plan.best}: {plan_words(plan, plan.best)}", faces, "yes" if plan.stop else "no")]

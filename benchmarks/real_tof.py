@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,10 +14,11 @@ from benchmarks import _tof_views as views
 from benchmarks._data import data_folder
 from benchmarks._tables import markdown, wilson
 from benchmarks._tof_measures import Patches, Profile
-from benchmarks._tof_views import Case, Look, Setup
+from benchmarks._tof_pairs import INCIDENCES, LOSS_DEG, Pair, noise_of
+from benchmarks._tof_views import Case, Look
 from viewgain.arrays import Array, Indices
 from viewgain.box import FACES
-from viewgain.scans import Scan, read_scan
+from viewgain.scans import read_scan
 from viewgain.simulate import Effects
 
 SEEDS = range(4)
@@ -39,28 +40,7 @@ CASES = (
 """The real scans, the preset each is simulated with, and the reflectivities that are assumed."""
 SHARES = ((0.5, 0.5), (0.6, 0.15), (0.8, 0.8))
 """Reflectivities of box and floor for which the bend is told."""
-INCIDENCES = np.array([0.0, 10, 20, 30, 40, 50, 60, 70, 80])
 RANGES = np.array([0.5, 0.7, 0.9, 1.1, 1.3, 1.6, 1.9, 2.3, 2.7, 3.2])
-LOSS_DEG = np.array([0.0, 20, 40, 50, 55, 60, 65, 70, 75])
-EDGE_PX = np.arange(-8.5, 9.0, 1.0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pair:
-    """One real scan and its simulated ones."""
-
-    setup: Setup
-    scan: Scan
-    real: Look
-    simulated: list[Look]
-    """All effects, one per seed."""
-    direct: list[Look]
-    """The same without multipath."""
-
-    @property
-    def case(self) -> Case:
-        """What was asked for."""
-        return self.setup.case
 
 
 def run(options: argparse.Namespace) -> None:
@@ -114,11 +94,6 @@ def _trai(pairs: list[Pair]) -> str:
                 (pair.case.title, f"{focal:.1f}", f"{strength:.2f}", f"{chance:.2f}", step, f"{1e3 * pair.case.leaf:.1f}")
             )
     return markdown(("scan", "focal length [px]", "strength", "by chance", "depth step / z² [mm/m²]", "voxels [mm]"), rows)
-
-
-def noise_of(pair: Pair) -> tuple[Patches, Patches]:
-    """Return the patches of the real scan and of all simulated ones."""
-    return measures.noise_patches(pair.real), measures.joined([measures.noise_patches(look) for look in pair.simulated])
 
 
 def ratio(real: Array, simulated: Array, draws: int = 400) -> tuple[float, float, float]:

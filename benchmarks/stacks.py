@@ -51,14 +51,13 @@ class Found:
 
 def run(options: argparse.Namespace) -> None:
     """Print the tables."""
-    del options
     folder = data_folder()
     if folder is None:
         print("The real scans are not there (set VIEWGAIN_DATA to their folder).\n")
     else:
         _print_cartons(folder / "real_boxes" / "mosd_boxes")
         _print_pallet(folder / "real_boxes" / "smart_palletizer")
-    _print_simulated()
+    _print_simulated(PER_KIND if options.scenes is None else max(options.scenes // len(KINDS), 1))
 
 
 def carton_scene(path: Path) -> tuple[Scan, Labels]:
@@ -202,10 +201,10 @@ def _raised(box: Box, height: float) -> Box:
     return Box(pose, box.extents)
 
 
-def _print_simulated() -> None:
+def _print_simulated(per_kind: int) -> None:
     rows = []
     outcomes: dict[str, list[tuple[bool, float, int, int, int]]] = {kind: [] for kind in KINDS}
-    for kind, boxes, scan in simulated(SEED, PER_KIND):
+    for kind, boxes, scan in simulated(SEED, per_kind):
         outcomes[kind] += compared(boxes, scan, measure(scan, camera=CAMERA))
     outcomes["all"] = [one for kind in KINDS for one in outcomes[kind]]
     for kind, group in outcomes.items():
@@ -214,7 +213,7 @@ def _print_simulated() -> None:
         false = sum(one[4] for one in group)
         recall = _share(len(errors), sum(one[3] > -1 for one in group) - sum(one[4] for one in group))
         rows.append((kind, recall, percent(float(np.median(errors))) if errors else "-", _share(hits, total), false))
-    print(f"## Simulated rows and stacks (seed {SEED}, {PER_KIND} scenes of each kind)\n")
+    print(f"## Simulated rows and stacks (seed {SEED}, {per_kind} scenes of each kind)\n")
     print(
         "A true box is found if a measured one's centre lies within 5 cm of its own and its volume within 30 %; error is of the"
     )
