@@ -16,7 +16,7 @@ _STEP = 0.012
 _MIN_GROUP = 60
 _REACH = 0.02
 _THROUGH = 0.01
-_LINES = 40
+_LINES = 120
 _STEPS = 80
 _GAP_PX = 4.0
 
@@ -33,6 +33,8 @@ class Group:
     """Whether a lying patch is among them."""
     tilted: bool = False
     """Whether it is a patch that neither lies nor stands upright."""
+    curved: bool = False
+    """Whether a patch of it bends as no carton does."""
 
     @property
     def top(self) -> float:
@@ -71,7 +73,8 @@ def groups(found: list[Patch], image: RangeImage, noise: float) -> list[Group]:
 
 
 def _group(members: list[Patch], *, has_top: bool, tilted: bool = False) -> Group:
-    return Group(np.concatenate([p.pixels for p in members]), np.concatenate([p.points for p in members]), has_top, tilted)
+    pixels, points = (np.concatenate(parts) for parts in zip(*((p.pixels, p.points) for p in members), strict=True))
+    return Group(pixels, points, has_top, tilted, any(len(p.pixels) >= _MIN_GROUP and p.is_curved() for p in members))
 
 
 def _hung(lying: list[Patch], upright: list[Patch], tolerance: float) -> tuple[list[list[Patch]], list[Patch]]:
@@ -165,7 +168,11 @@ def _one_plane(first: Patch, second: Patch, tolerance: float) -> bool:
 
 
 def _bridged(first: Patch, second: Patch, image: RangeImage) -> bool:
-    """Return whether nine in ten straight lines in the image from one patch to the other show nothing behind their plane."""
+    """Return whether nothing shows a gap between two patches of one plane.
+
+    Of straight lines in the image from one patch to the other, those that something nearer hides tell nothing; of the others
+    at most one in ten may show something behind the plane for longer than a speck. Where all are hidden they are one patch.
+    """
     ranges, width = image.ranges, image.ranges.shape[1]
     one, two = (patch.pixels[np.linspace(0, len(patch.pixels) - 1, _LINES).astype(int)] for patch in (first, second))
     start, end = (np.stack(np.divmod(pixels, width), axis=1) for pixels in (one, two[::-1]))
@@ -173,11 +180,13 @@ def _bridged(first: Patch, second: Patch, image: RangeImage) -> bool:
     lines = np.round(start[:, None] + steps * (end - start)[:, None]).astype(int)
     near, far = ranges.ravel()[one][:, None], ranges.ravel()[two[::-1]][:, None]
     expected = 1 / ((1 - steps.T) / near + steps.T / far)
-    mine = np.isin(lines @ (width, 1), np.concatenate([first.pixels, second.pixels]))
+    other = ~np.isin(lines @ (width, 1), np.concatenate([first.pixels, second.pixels]))
+    length = np.linalg.norm(end - start, axis=1)
     with np.errstate(invalid="ignore"):
-        through = ~mine & (ranges[lines[..., 0], lines[..., 1]] > expected + _THROUGH)
-    gap = through.mean(axis=1) * np.linalg.norm(end - start, axis=1)
-    return bool(np.mean(gap > _GAP_PX) < 0.1)
+        apart = ranges[lines[..., 0], lines[..., 1]] - expected
+        gap, hidden = (np.mean(other & seen, axis=1) * length > _GAP_PX for seen in (apart > _THROUGH, apart < -_THROUGH))
+    telling = gap | ~hidden
+    return bool(gap.sum() <= 0.1 * telling.sum())
 
 
 def _part(patch: Patch, chosen: Mask) -> Patch:
