@@ -11,9 +11,11 @@ import numpy as np
 from viewgain.arrays import Indices, Mask, Points
 from viewgain.measure._patches import Facing, Patch
 from viewgain.measure._range_image import RangeImage
+from viewgain.measure._steps import seam_height
 
 _STEP = 0.012
 _MIN_GROUP = 60
+_MAX_CURVED = 0.25
 _REACH = 0.02
 _THROUGH = 0.01
 _LINES = 120
@@ -30,11 +32,11 @@ class Group:
     points: Points
     """(n, 3) points in the frame of the floor."""
     has_top: bool
-    """Whether a lying patch is among them."""
+    """Whether a lying patch is among them, or a seam shows where its top is."""
     tilted: bool = False
     """Whether it is a patch that neither lies nor stands upright."""
     curved: bool = False
-    """Whether a patch of it bends as no carton does."""
+    """Whether over a quarter of it bends as no carton does."""
 
     @property
     def top(self) -> float:
@@ -65,7 +67,7 @@ def groups(found: list[Patch], image: RangeImage, noise: float) -> list[Group]:
     lying = _united([patch for patch in found if patch.facing is Facing.LYING], image, tolerance)
     upright = _united([patch for patch in found if patch.facing is Facing.UPRIGHT], image, tolerance)
     hung, loose = _hung(lying, upright, tolerance)
-    made = [_group([top, *sides], has_top=True) for top, sides in zip(lying, hung, strict=True)]
+    made = [part for top, sides in zip(lying, hung, strict=True) for part in _storeys(top, sides)]
     made += [_group(sides, has_top=False) for sides in _cornered(loose, tolerance)]
     made += [_group([patch], has_top=False, tilted=True) for patch in found if patch.facing is Facing.TILTED]
     made = [group for group in made if len(group.pixels) >= _MIN_GROUP]
@@ -74,7 +76,19 @@ def groups(found: list[Patch], image: RangeImage, noise: float) -> list[Group]:
 
 def _group(members: list[Patch], *, has_top: bool, tilted: bool = False) -> Group:
     pixels, points = (np.concatenate(parts) for parts in zip(*((p.pixels, p.points) for p in members), strict=True))
-    return Group(pixels, points, has_top, tilted, any(len(p.pixels) >= _MIN_GROUP and p.is_curved() for p in members))
+    curved = sum(len(p.pixels) for p in members if len(p.pixels) >= _MIN_GROUP and p.is_curved())
+    return Group(pixels, points, has_top, tilted, curved > _MAX_CURVED * len(pixels))
+
+
+def _storeys(top: Patch, sides: list[Patch]) -> list[Group]:
+    """Return the box of a top and its sides, or where the sides step outwards, the box above the seam and the one beneath."""
+    seam = seam_height(sides)
+    if seam is None:
+        return [_group([top, *sides], has_top=True)]
+    above, below = (
+        [_part(side, chosen) for side in sides if np.any(chosen := (side.points[:, 2] > seam) == upper)] for upper in (True, False)
+    )
+    return [_group([top, *above], has_top=True), _group(below, has_top=True)]
 
 
 def _hung(lying: list[Patch], upright: list[Patch], tolerance: float) -> tuple[list[list[Patch]], list[Patch]]:

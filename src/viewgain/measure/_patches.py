@@ -26,7 +26,7 @@ _MIN_PATCH = 30
 _MIN_SHARE = 0.35
 _PREFER_CENTRE = 0.7
 _SURE = 3.0
-_STRAIGHT = 0.6
+_TURN = np.deg2rad(15.0)
 _SAG = 0.003
 _ALL = slice(None)
 _NEIGHBOURS = (((_ALL, slice(None, -1)), (_ALL, slice(1, None))), ((slice(None, -1), _ALL), (slice(1, None), _ALL)))
@@ -63,10 +63,10 @@ class Patch:
         return np.asarray(points @ self.normal - self.offset)
 
     def is_curved(self) -> bool:
-        """Return whether its points surely bend like a ball, a can or a bag: by 3 mm, and tighter than a radius of 0.6 m.
+        """Return whether its points surely bend like a ball, a can or a bag: its normal turns by over 15 degrees.
 
         The least-squares quadric over the plane, trimmed once; its stronger principal curvature must pass by three of its own
-        standard deviations. Walls of real cartons bulge by millimetres over decimetres: radii over a metre (ours).
+        standard deviations, and the bulge be 3 mm deep. Walls of real cartons bulge by up to 12 degrees (ours).
         """
         across = np.linalg.svd(self.normal[None])[2][1:]
         kept = self.points[:: max(1, len(self.points) // 3000)]
@@ -79,7 +79,7 @@ class Patch:
         strongest = int(np.argmax(np.abs(strength)))
         surely = (abs(strength[strongest]) - _SURE * sigma) / scale**2
         length = float(np.ptp(np.quantile(flat @ directions[:, strongest], [0.03, 0.97])))
-        return bool(surely > 1 / _STRAIGHT and surely * length**2 / 8 > _SAG)
+        return bool(surely * length > _TURN and surely * length**2 / 8 > _SAG)
 
     @property
     def height(self) -> float:

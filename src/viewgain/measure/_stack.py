@@ -11,13 +11,13 @@ from viewgain.measure._patches import patches
 from viewgain.measure._result import BoxEstimate
 from viewgain.measure._segment import MIN_PIXELS, beside
 from viewgain.measure._single import OnFloor, Outcome, Refusal, fitted, judged, single
-from viewgain.measure._support import explained_by, support_height
+from viewgain.measure._support import explained_by, shared_room, support_height
 
 MAX_OBJECTS = 12
 """At most this many objects of one scan are tried."""
 SURE_EXPLAINED = 0.95
 """A box that explains less of what lies within its outline is tried as several boxes."""
-SURE_OVERLAP = 0.92
+SURE_OVERLAP = 0.97
 """The same for the overlap of outline and object."""
 MIN_STACK_SHARE = 0.6
 """Several boxes must explain this share of an object together: a bag or a chair has flat patches too."""
@@ -31,6 +31,8 @@ MIN_PART = 0.02
 """A part of a stack with a smaller share of the object is a fragment, not a box; without a top, twice that."""
 MIN_SECOND_FACE = 0.03
 """A face with a smaller share of a box's returns is no evidence of a corner."""
+MAX_SHARED_ROOM = 0.3
+"""Of two boxes of which one shares more of its volume with the other, one is a fragment."""
 SUPPORT_BAND = 0.01
 """Pixels this near to the plane that a box stands on show its support, metres."""
 
@@ -116,7 +118,19 @@ def _stack(scene: OnFloor, own: Mask, parts: list[Group]) -> list[Outcome]:
         height = support_height(part, boxes, placing)
         others = np.logical_or.reduce([scene.taken & ~own, *(other for other in masks if other is not mask)])
         outcomes.append(Outcome(_on_support(scene, mask, others, height), mask))
-    return sorted(outcomes, key=lambda one: -int(one.own.sum()))
+    return _apart(sorted(outcomes, key=lambda one: -int(one.own.sum())))
+
+
+def _apart(outcomes: list[Outcome]) -> list[Outcome]:
+    """Return the outcomes without the boxes that stand within a box of more pixels: two bodies share no room."""
+    kept: list[Outcome] = []
+    for one in outcomes:
+        if isinstance(one.result, BoxEstimate):
+            larger = [other.result.box for other in kept if isinstance(other.result, BoxEstimate)]
+            if max((shared_room(one.result.box, box) for box in larger), default=0.0) > MAX_SHARED_ROOM:
+                one = Outcome(Refusal("not_a_box"), one.own)
+        kept.append(one)
+    return kept
 
 
 def _on_support(scene: OnFloor, own: Mask, others: Mask, height: float) -> BoxEstimate | Refusal:
