@@ -85,9 +85,9 @@ def _storeys(top: Patch, sides: list[Patch]) -> list[Group]:
     seam = seam_height(sides)
     if seam is None:
         return [_group([top, *sides], has_top=True)]
-    above, below = (
-        [_part(side, chosen) for side in sides if np.any(chosen := (side.points[:, 2] > seam) == upper)] for upper in (True, False)
-    )
+    upper = [side.points[:, 2] > seam for side in sides]
+    above = [_part(side, chosen) for side, chosen in zip(sides, upper, strict=True) if np.any(chosen)]
+    below = [_part(side, ~chosen) for side, chosen in zip(sides, upper, strict=True) if not np.all(chosen)]
     return [_group([top, *above], has_top=True), _group(below, has_top=True)]
 
 

@@ -12,6 +12,7 @@ from viewgain.measure._result import BoxEstimate
 from viewgain.measure._segment import MIN_PIXELS, beside
 from viewgain.measure._single import OnFloor, Outcome, Refusal, fitted, judged, single
 from viewgain.measure._support import explained_by, shared_room, support_height
+from viewgain.measure._uncertainty import Z90, Interval
 
 MAX_OBJECTS = 12
 """At most this many objects of one scan are tried."""
@@ -33,6 +34,11 @@ MIN_SECOND_FACE = 0.03
 """A face with a smaller share of a box's returns is no evidence of a corner."""
 MAX_SHARED_ROOM = 0.3
 """Of two boxes of which one shares more of its volume with the other, one is a fragment."""
+TOUCHING_SD = np.array([0.007, 0.007, 0.001])
+"""What a neighbour adds to the standard deviation of width, depth and height, metres: an edge that it hides is taken for seen.
+
+Learned: with it 90 % of the intervals of touching boxes held on simulated development scenes (``simulated(6, 7)``).
+"""
 SUPPORT_BAND = 0.01
 """Pixels this near to the plane that a box stands on show its support, metres."""
 
@@ -76,12 +82,29 @@ def _better(stacked: list[Outcome], plain: list[Outcome], own: Mask) -> list[Out
 
 
 def _bounded(result: BoxEstimate | Refusal) -> BoxEstimate | Refusal:
-    """Return a part of an object as it is, or refused where one upright side is all that is seen: any flat thing shows that."""
+    """Return a part of an object, loosened, or refused where one upright side is all that is seen: any flat thing shows that."""
     if isinstance(result, Refusal):
         return result
+    result = loosened(result)
     enough = MIN_SECOND_FACE * result.quality.returns
     seen = [face.name for face in result.quality.faces if face.seen and face.returns >= enough]
     return result if len(seen) > 1 or "top" in seen else Refusal("not_a_box")
+
+
+def loosened(estimate: BoxEstimate) -> BoxEstimate:
+    """Return the estimate of a touching box with what its neighbours add to its uncertainty; open extents stay as they are."""
+    covariance = estimate.covariance.copy()
+    covariance[range(6, 9), range(6, 9)] += TOUCHING_SD**2
+    x, y, z = (_wider(interval, sd) for interval, sd in zip(estimate.intervals, TOUCHING_SD, strict=True))
+    return replace(estimate, covariance=covariance, intervals=(x, y, z))
+
+
+def _wider(interval: Interval, sd: float) -> Interval:
+    if not np.isfinite(interval.sigma + interval.high):
+        return interval
+    sigma = float(np.hypot(interval.sigma, sd))
+    more = Z90 * (sigma - interval.sigma)
+    return Interval(interval.low - more, interval.high + more, sigma)
 
 
 def _doubtful(result: BoxEstimate | Refusal) -> bool:

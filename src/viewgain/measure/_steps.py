@@ -20,8 +20,8 @@ _MIN_BESIDE = 40
 def seam_height(sides: list[Patch]) -> float | None:
     """Return the height above the floor at which the sides of a box step outwards, metres; None where they do not.
 
-    Each side is fitted by a quadric (a bulge is no step) with and without a step at each of 24 heights; of the heights at which
-    a side steps out by 4 mm and eight of its standard deviations, the one with the most evidence over all sides is taken.
+    Each side is fitted by a quadric (a bulge is no step) with and without a step at each of 24 heights; at the height with
+    the most evidence of a step, in or out, a side must step out by 4 mm and eight standard deviations of that step.
 
     Args:
         sides: The upright patches beneath one top, frame of the floor.
@@ -32,7 +32,7 @@ def seam_height(sides: list[Patch]) -> float | None:
     low, high = np.quantile(heights, [0.03, 0.97])
     cuts = np.linspace(low, high, _CUTS + 2)[1:-1]
     steps = [[_step(side, cut) for cut in cuts] for side in sides]
-    evidence = np.array([[min(ratio, 1e3) ** 2 if out > 0 else 0.0 for out, ratio in row] for row in steps])
+    evidence = np.array([[min(abs(ratio), 1e3) ** 2 for _, ratio in row] for row in steps])
     best = int(np.argmax(evidence.sum(axis=0)))
     stepped = any(row[best][0] > MIN_STEP and row[best][1] > SURE_STEP for row in steps)
     return float(cuts[best]) if stepped else None
