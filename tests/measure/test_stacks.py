@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 from benchmarks.stacks import carton_scene, matched
+from tests.oracles import shapes
 from tests.oracles.scenes import CAMERA, scan_of
 from viewgain.box import Box
 from viewgain.geometry import rotation_from_rotvec
 from viewgain.measure import BoxEstimate, measure
 from viewgain.measure._grouping import groups
 from viewgain.measure._patches import Facing, Patch
+from viewgain.measure._stack import loosened
+from viewgain.measure._steps import seam_height
+from viewgain.measure._support import shared_room
 from viewgain.scans import Scan
 from viewgain.scenes import orbit_pose, random_box, random_view, standing_box
 
@@ -120,3 +124,48 @@ def test_a_flush_front_of_a_stack_is_shared_by_both_boxes_however_the_scene_is_t
     assert [len(group.pixels) for group in made] == [400 + 220, 400 + 180]
     assert made[0].top < 0.17
     assert made[1].bottom > 0.15
+
+
+def bowed(radius: float) -> Patch:
+    """An upright patch 12 cm wide and high with 1 mm noise, bent about the vertical to a radius."""
+    rng = np.random.default_rng(0)
+    y, z = rng.uniform(-0.06, 0.06, (2, 800))
+    x = np.sqrt(radius**2 - y**2) - radius + rng.normal(0, 0.001, 800)
+    return Patch(np.arange(800), np.column_stack([x - x.mean(), y, z]), np.array([1.0, 0, 0]), 0.0, Facing.UPRIGHT)
+
+
+@pytest.mark.parametrize(("radius", "curved"), [(0.1, True), (0.25, True), (0.8, False), (5.0, False)])
+def test_a_can_is_curved_and_a_bulging_carton_is_not(radius: float, curved: bool) -> None:
+    assert bowed(radius).is_curved() == curved
+
+
+@pytest.mark.parametrize("shape", [shapes.sphere(0.2), shapes.sphere(0.12)])
+@pytest.mark.parametrize("seed", range(3))
+def test_balls_are_no_boxes_however_they_are_split(shape: shapes.Shape, seed: int) -> None:
+    view = orbit_pose(np.array([0.0, 0.0, 0.12]), 0.3 + seed, np.deg2rad(38), 1.1)
+    found = measure(shapes.scan_of(shape, view, CAMERA, rng=np.random.default_rng(seed)), camera=CAMERA)
+    assert (found.boxes, found.reason) == ((), "not_a_box")
+
+
+@pytest.mark.parametrize(("step", "seam"), [(0.0, False), (0.001, False), (0.01, True), (-0.01, False)])
+def test_a_seam_is_where_the_side_steps_outwards(step: float, seam: bool) -> None:
+    rng = np.random.default_rng(1)
+    y, z = rng.uniform([[-0.1], [0.0]], [[0.1], [0.3]], (2, 1200))
+    x = np.where(z < 0.12, step, 0.0) + rng.normal(0, 0.003, 1200)
+    found = seam_height([Patch(np.arange(1200), np.column_stack([x, y, z]), np.array([1.0, 0, 0]), 0.0, Facing.UPRIGHT)])
+    assert (found is not None) == seam
+    if found is not None:
+        assert found == pytest.approx(0.12, abs=0.02)
+
+
+def test_a_box_shares_all_its_room_with_itself_and_half_with_one_half_a_side_off() -> None:
+    box, off = standing_box(np.array([0.2, 0.3, 0.1])), standing_box(np.array([0.2, 0.3, 0.1]), at=(0.1, 0.0))
+    assert (shared_room(box, box), shared_room(box, off)) == (1.0, 0.5)
+
+
+def test_a_touching_box_has_wider_intervals_in_the_plane_than_in_height() -> None:
+    alone = measure(scan_of(standing_box(LOWER), view=orbit_pose(np.zeros(3), 0.8, 0.6, 1.1)), camera=CAMERA).boxes[0]
+    loose = loosened(alone)
+    grown = [(b.high - b.low) / (a.high - a.low) for a, b in zip(alone.intervals, loose.intervals, strict=True)]
+    assert min(grown) > 1
+    assert [b.sigma for b in loose.intervals] == pytest.approx(np.sqrt(np.diag(loose.covariance)[6:]))

@@ -11,12 +11,14 @@ import numpy as np
 from viewgain.arrays import Indices, Mask, Points
 from viewgain.measure._patches import Facing, Patch
 from viewgain.measure._range_image import RangeImage
+from viewgain.measure._steps import seam_height
 
 _STEP = 0.012
 _MIN_GROUP = 60
+_MAX_CURVED = 0.25
 _REACH = 0.02
 _THROUGH = 0.01
-_LINES = 40
+_LINES = 120
 _STEPS = 80
 _GAP_PX = 4.0
 
@@ -30,9 +32,11 @@ class Group:
     points: Points
     """(n, 3) points in the frame of the floor."""
     has_top: bool
-    """Whether a lying patch is among them."""
+    """Whether a lying patch is among them, or a seam shows where its top is."""
     tilted: bool = False
     """Whether it is a patch that neither lies nor stands upright."""
+    curved: bool = False
+    """Whether over a quarter of it bends as no carton does."""
 
     @property
     def top(self) -> float:
@@ -63,7 +67,7 @@ def groups(found: list[Patch], image: RangeImage, noise: float) -> list[Group]:
     lying = _united([patch for patch in found if patch.facing is Facing.LYING], image, tolerance)
     upright = _united([patch for patch in found if patch.facing is Facing.UPRIGHT], image, tolerance)
     hung, loose = _hung(lying, upright, tolerance)
-    made = [_group([top, *sides], has_top=True) for top, sides in zip(lying, hung, strict=True)]
+    made = [part for top, sides in zip(lying, hung, strict=True) for part in _storeys(top, sides)]
     made += [_group(sides, has_top=False) for sides in _cornered(loose, tolerance)]
     made += [_group([patch], has_top=False, tilted=True) for patch in found if patch.facing is Facing.TILTED]
     made = [group for group in made if len(group.pixels) >= _MIN_GROUP]
@@ -71,7 +75,20 @@ def groups(found: list[Patch], image: RangeImage, noise: float) -> list[Group]:
 
 
 def _group(members: list[Patch], *, has_top: bool, tilted: bool = False) -> Group:
-    return Group(np.concatenate([p.pixels for p in members]), np.concatenate([p.points for p in members]), has_top, tilted)
+    pixels, points = (np.concatenate(parts) for parts in zip(*((p.pixels, p.points) for p in members), strict=True))
+    curved = sum(len(p.pixels) for p in members if len(p.pixels) >= _MIN_GROUP and p.is_curved())
+    return Group(pixels, points, has_top, tilted, curved > _MAX_CURVED * len(pixels))
+
+
+def _storeys(top: Patch, sides: list[Patch]) -> list[Group]:
+    """Return the box of a top and its sides, or where the sides step outwards, the box above the seam and the one beneath."""
+    seam = seam_height(sides)
+    if seam is None:
+        return [_group([top, *sides], has_top=True)]
+    upper = [side.points[:, 2] > seam for side in sides]
+    above = [_part(side, chosen) for side, chosen in zip(sides, upper, strict=True) if np.any(chosen)]
+    below = [_part(side, ~chosen) for side, chosen in zip(sides, upper, strict=True) if not np.all(chosen)]
+    return [_group([top, *above], has_top=True), _group(below, has_top=True)]
 
 
 def _hung(lying: list[Patch], upright: list[Patch], tolerance: float) -> tuple[list[list[Patch]], list[Patch]]:
@@ -165,7 +182,11 @@ def _one_plane(first: Patch, second: Patch, tolerance: float) -> bool:
 
 
 def _bridged(first: Patch, second: Patch, image: RangeImage) -> bool:
-    """Return whether nine in ten straight lines in the image from one patch to the other show nothing behind their plane."""
+    """Return whether nothing shows a gap between two patches of one plane.
+
+    Of straight lines in the image from one patch to the other, those that something nearer hides tell nothing; of the others
+    at most one in ten may show something behind the plane for longer than a speck. Where all are hidden they are one patch.
+    """
     ranges, width = image.ranges, image.ranges.shape[1]
     one, two = (patch.pixels[np.linspace(0, len(patch.pixels) - 1, _LINES).astype(int)] for patch in (first, second))
     start, end = (np.stack(np.divmod(pixels, width), axis=1) for pixels in (one, two[::-1]))
@@ -173,11 +194,13 @@ def _bridged(first: Patch, second: Patch, image: RangeImage) -> bool:
     lines = np.round(start[:, None] + steps * (end - start)[:, None]).astype(int)
     near, far = ranges.ravel()[one][:, None], ranges.ravel()[two[::-1]][:, None]
     expected = 1 / ((1 - steps.T) / near + steps.T / far)
-    mine = np.isin(lines @ (width, 1), np.concatenate([first.pixels, second.pixels]))
+    other = ~np.isin(lines @ (width, 1), np.concatenate([first.pixels, second.pixels]))
+    length = np.linalg.norm(end - start, axis=1)
     with np.errstate(invalid="ignore"):
-        through = ~mine & (ranges[lines[..., 0], lines[..., 1]] > expected + _THROUGH)
-    gap = through.mean(axis=1) * np.linalg.norm(end - start, axis=1)
-    return bool(np.mean(gap > _GAP_PX) < 0.1)
+        apart = ranges[lines[..., 0], lines[..., 1]] - expected
+        gap, hidden = (np.mean(other & seen, axis=1) * length > _GAP_PX for seen in (apart > _THROUGH, apart < -_THROUGH))
+    telling = gap | ~hidden
+    return bool(gap.sum() <= 0.1 * telling.sum())
 
 
 def _part(patch: Patch, chosen: Mask) -> Patch:

@@ -21,7 +21,7 @@ STRAY = 0.02
 CLUTTER = 0.10
 """Share of rays beside the box that meet something other than the floor."""
 SHORT_BY = 0.06
-"""By how much floor beside an object may read short, metres (viewgain.camera.Sensor.short_floor): evenly between nothing and this."""
+"""By how much floor beside an object may read short, metres (Sensor.short_floor): evenly between nothing and this."""
 SPAN = 3.0
 """Stray and clutter returns are uniform over this many metres."""
 FLYING = 0.3

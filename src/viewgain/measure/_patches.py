@@ -25,6 +25,9 @@ _TILT_TARGET = np.deg2rad(7.0)
 _MIN_PATCH = 30
 _MIN_SHARE = 0.35
 _PREFER_CENTRE = 0.7
+_SURE = 3.0
+_TURN = np.deg2rad(15.0)
+_SAG = 0.003
 _ALL = slice(None)
 _NEIGHBOURS = (((_ALL, slice(None, -1)), (_ALL, slice(1, None))), ((slice(None, -1), _ALL), (slice(1, None), _ALL)))
 
@@ -58,6 +61,25 @@ class Patch:
     def beyond(self, points: Points) -> Array:
         """Return the (n,) signed distance of points in the frame of the floor to the plane, positive on the camera's side."""
         return np.asarray(points @ self.normal - self.offset)
+
+    def is_curved(self) -> bool:
+        """Return whether its points surely bend like a ball, a can or a bag: its normal turns by over 15 degrees.
+
+        The least-squares quadric over the plane, trimmed once; its stronger principal curvature must pass by three of its own
+        standard deviations, and the bulge be 3 mm deep. Walls of real cartons bulge by up to 12 degrees (ours).
+        """
+        across = np.linalg.svd(self.normal[None])[2][1:]
+        kept = self.points[:: max(1, len(self.points) // 3000)]
+        flat = (kept - kept.mean(axis=0)) @ across.T
+        scale = float(flat.std(axis=0).max())
+        x, y = flat.T / scale
+        terms = np.column_stack([x * x / 2, x * y, y * y / 2, x, y, np.ones(len(x))])
+        bend, sigma = _trimmed_quadric(terms, self.beyond(kept))
+        strength, directions = np.linalg.eigh([[bend[0], bend[1]], [bend[1], bend[2]]])
+        strongest = int(np.argmax(np.abs(strength)))
+        surely = (abs(strength[strongest]) - _SURE * sigma) / scale**2
+        length = float(np.ptp(np.quantile(flat @ directions[:, strongest], [0.03, 0.97])))
+        return bool(surely * length > _TURN and surely * length**2 / 8 > _SAG)
 
     @property
     def height(self) -> float:
@@ -256,3 +278,14 @@ def _patch(pixels: Indices, points: Points, placing: Array) -> Patch:
     if (camera - middle) @ normal < 0:
         normal = -normal
     return Patch(pixels, points, normal, float(normal @ middle), Facing(int(_facing(normal[2]))))
+
+
+def _trimmed_quadric(terms: Array, away: Array) -> tuple[Array, float]:
+    """Return the (3,) second-order coefficients of least squares on (n, 6) terms, trimmed once, and their largest deviation."""
+    for _ in range(2):
+        fit = np.linalg.lstsq(terms, away, rcond=None)[0]
+        off = np.abs(away - terms @ fit)
+        inside = off <= max(3 * 1.4826 * float(np.median(off)), 1e-6)
+        terms, away = terms[inside], away[inside]
+    variance = np.diag(np.linalg.pinv(terms.T @ terms))[:3].max()
+    return np.asarray(fit[:3]), float(np.std(away - terms @ fit) * np.sqrt(variance))

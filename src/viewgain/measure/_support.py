@@ -1,4 +1,4 @@
-"""What a part of a stack stands on: the floor, or the top of a box beneath it."""
+"""What a part of a stack stands on, what boxes explain, and the room that two of them share."""
 
 import numpy as np
 
@@ -43,3 +43,12 @@ def explained_by(boxes: list[Box], image: RangeImage, mask: Mask) -> float:
         apart = np.abs(box_hits(box, directions).ranges - ranges)
         explained |= entry_mask(box, directions) & (apart < _AGREES)
     return float(explained.mean()) if len(ranges) else 1.0
+
+
+def shared_room(box: Box, other: Box) -> float:
+    """Return the share of the volume of ``box`` that lies within ``other``, counted on 10 x 10 x 10 points."""
+    steps = (np.arange(10) + 0.5) / 10 - 0.5
+    grid = np.stack(np.meshgrid(steps, steps, steps + 0.5, indexing="ij"), axis=-1).reshape(-1, 3) * box.extents
+    local = transform(inverse(other.box_to_camera) @ box.box_to_camera, grid)
+    middle = local - (0, 0, other.extents[2] / 2)
+    return float(np.mean(np.all(np.abs(middle) < other.extents / 2, axis=1)))
