@@ -19,7 +19,7 @@ from viewgain.scenes import orbit_pose, standing_box
 
 BOX_KEYS = {
     "dimensions_m", "sigma_m", "interval90_m", "vertical", "volume_m3", "volume_sigma_m3", "volume_interval90_m3",
-    "box_to_camera", "box_to_world", "faces_seen", "basis", "flags",
+    "box_to_camera", "box_to_world", "faces_seen", "basis", "incidence_deg", "border_share", "flags",
 }  # fmt: skip
 ROUNDED = 1e-5
 """Lengths are written to a hundredth of a millimetre or better."""

@@ -22,7 +22,7 @@ def test_every_reason_is_a_clause_and_its_advice_a_sentence() -> None:
 
 
 def test_every_flag_is_explained(episode: Episode) -> None:
-    assert set(words.FLAGS) == {"cut", "open", "grazing", "bent", "few_points", "touching", "flaps"}
+    assert set(words.FLAGS) == {"cut", "open", "grazing", "bent", "few_points", "touching", "flaps", "ambiguous", "stacked"}
     assert all(text.endswith(".") for text in words.FLAGS.values())
 
 

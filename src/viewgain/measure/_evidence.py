@@ -105,8 +105,11 @@ def holes(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> tuple[float, 
 
 
 def free_edge(evaluation: Evaluation, pixels: Pixels, sigma: Array) -> float:
-    """Return the share of the pixels two to six outside the outline that see something farther than the box, or nothing."""
-    band = (evaluation.inside < -_BAND_PX[0]) & (evaluation.inside > -_BAND_PX[1]) & ~pixels.other
+    """Return the share of the pixels two to six outside the outline that see something farther than the box, or nothing.
+
+    Another object farther away is something farther: it too shows that the box ends.
+    """
+    band = (evaluation.inside < -_BAND_PX[0]) & (evaluation.inside > -_BAND_PX[1])
     ranges = evaluation.hits.ranges
     reach = np.maximum(tolerance(ranges, sigma), 0.02)
     farther = band & (np.isnan(pixels.ranges) | (pixels.ranges > ranges + reach))

@@ -101,11 +101,18 @@ def noise_of(fit: Fit, *, noise_known: bool) -> float:
     return max(estimate_noise(fit)[0], 1.0 if noise_known else 0.0)
 
 
-def judged(fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: bool) -> BoxEstimate | Refusal:
-    """Return the finished estimate, or the reason why the object is not reported as a box."""
+def judged(
+    fit: Fit, image: RangeImage, floor: Floor, own: Mask, *, touching: bool, stacked: bool = False
+) -> BoxEstimate | Refusal:
+    """Return the finished estimate, or the reason why the object is not reported as a box.
+
+    Among boxes of one stack what floats beside the upper part of one is another, and no flap.
+    """
     evaluation, view = fit.evaluations[0], fit.views[0]
     sigma = floor.noise * view.sensor.range_sigma(evaluation.hits.ranges, evaluation.hits.cosine)
     quality = assess(fit.box, evaluation, view.pixels, image, own, sigma)
+    if stacked:
+        quality = replace(quality, evidence=replace(quality.evidence, flaps=0.0))
     if quality.returns < MIN_PIXELS:
         return Refusal("too_few_points")
     if not quality.is_box or fit.box.extents[2] < max(MIN_HEIGHT, 3 * floor.spread):

@@ -164,7 +164,7 @@ def _on_support(scene: OnFloor, own: Mask, others: Mask, height: float) -> BoxEs
         others = image.valid & ~own & (others | (np.abs(floor.plane.height(image.points)) > 3 * SUPPORT_BAND))
         others &= ~(np.abs(floor.plane.height(image.points)) < SUPPORT_BAND)
     fit = fitted(image, floor, own, others, scene.model, noise_known=scene.noise_known)
-    result = _bounded(judged(fit, image, floor, own, touching=True))
+    result = _bounded(judged(fit, image, floor, own, touching=True, stacked=True))
     if height > 0 and isinstance(result, BoxEstimate):
         return replace(result, flags=(*result.flags, "stacked"))
     return result
