@@ -131,6 +131,7 @@ def _stack(scene: OnFloor, own: Mask, parts: list[Group]) -> list[Outcome]:
     placing = floor_to_camera(scene.floor.plane)
     masks = [part.mask(own.shape) for part in parts]
     outcomes: list[Outcome] = []
+    again: list[tuple[int, Mask, Mask, float]] = []
     for part, mask in zip(parts, masks, strict=True):
         boxes = [one.result.box for one in outcomes if isinstance(one.result, BoxEstimate)]
         if explained_by(boxes, scene.image, mask) > 0.5:
@@ -141,6 +142,11 @@ def _stack(scene: OnFloor, own: Mask, parts: list[Group]) -> list[Outcome]:
         height = support_height(part, boxes, placing)
         others = np.logical_or.reduce([scene.taken & ~own, *(other for other in masks if other is not mask)])
         outcomes.append(Outcome(_on_support(scene, mask, others, height), mask))
+        again.append((len(outcomes) - 1, mask, others, height))
+    found = [entry for entry in again if isinstance(outcomes[entry[0]].result, BoxEstimate)]
+    if len(found) == 1:  # one box after all: what floats beside it may be its flaps
+        ((k, mask, others, height),) = found
+        outcomes[k] = Outcome(_on_support(scene, mask, others, height, among_boxes=False), mask)
     return _apart(sorted(outcomes, key=lambda one: -int(one.own.sum())))
 
 
@@ -156,7 +162,7 @@ def _apart(outcomes: list[Outcome]) -> list[Outcome]:
     return kept
 
 
-def _on_support(scene: OnFloor, own: Mask, others: Mask, height: float) -> BoxEstimate | Refusal:
+def _on_support(scene: OnFloor, own: Mask, others: Mask, height: float, *, among_boxes: bool = True) -> BoxEstimate | Refusal:
     """Return the box fitted to one part of a stack that stands at ``height`` above the floor, or the reason against it."""
     image, floor = scene.image, scene.floor
     if height > 0:
@@ -164,7 +170,7 @@ def _on_support(scene: OnFloor, own: Mask, others: Mask, height: float) -> BoxEs
         others = image.valid & ~own & (others | (np.abs(floor.plane.height(image.points)) > 3 * SUPPORT_BAND))
         others &= ~(np.abs(floor.plane.height(image.points)) < SUPPORT_BAND)
     fit = fitted(image, floor, own, others, scene.model, noise_known=scene.noise_known)
-    result = _bounded(judged(fit, image, floor, own, touching=True, stacked=True))
+    result = _bounded(judged(fit, image, floor, own, touching=True, stacked=among_boxes))
     if height > 0 and isinstance(result, BoxEstimate):
         return replace(result, flags=(*result.flags, "stacked"))
     return result
