@@ -9,8 +9,8 @@ from tests.oracles.derivatives import along_steps
 from tests.oracles.scenes import CAMERA, UNMIXED, WELL_SEEN, aligned_extents, scan_of
 from viewgain.box import Box
 from viewgain.geometry import inverse
-from viewgain.measure import BoxEstimate, measure
-from viewgain.measure._fit import COARSE, FINE, SHARP, refine
+from viewgain.measure import BoxEstimate, _fit, measure
+from viewgain.measure._fit import COARSE, FINE, SHARP, polled, refine
 from viewgain.measure._likelihood import Evaluation, evaluate
 from viewgain.scenes import random_box, random_view
 
@@ -147,3 +147,11 @@ def test_refining_never_ends_below_its_start(case: tuple[BoxEstimate, Box]) -> N
     for size in (2, 20):
         start = found.box.moved(sigma_step(found, rng, size))
         assert refine(start, found.views, SHARP, 3).value >= refine(start, found.views, SHARP, 0).value
+
+
+def test_a_box_a_rounding_error_too_thin_is_polled_too(case: tuple[BoxEstimate, Box], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A climb may end a hair under the least extent; with every face held by ranges that box is the only candidate."""
+    found, _ = case
+    monkeypatch.setattr(_fit, "_PINNING", 0.0)
+    thin = refine(Box(found.box.box_to_camera, np.array([0.01 - 1e-12, 0.3, 0.2])), found.views, SHARP, 0)
+    assert polled(thin, SHARP[0], 0.005) is thin.box

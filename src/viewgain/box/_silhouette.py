@@ -49,10 +49,6 @@ class EdgeDistances:
         """Return a subset of the points."""
         return EdgeDistances(self.distance[chosen], self.edge[chosen], self.along[chosen])
 
-    def inward(self, shape: Outline) -> Points2:
-        """Return the (n, 2) unit normals of the nearest edges of ``shape``, pointing inside."""
-        return shape.inward()[self.edge]
-
 
 def outline(box: Box) -> Outline:
     """Return the convex hull of the box's eight projected corners (Andrew's monotone chain)."""
@@ -70,7 +66,8 @@ def edge_distances(shape: Outline, points: Points2) -> EdgeDistances:
     """
     start = shape.vertices
     length = np.maximum(np.linalg.norm(np.roll(start, -1, axis=0) - start, axis=1), 1e-12)
-    tangent, inward = shape.tangents(), shape.inward()
+    tangent = shape.tangents()
+    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
     offset, origin = np.sum(start * inward, axis=1), np.sum(start * tangent, axis=1)
     x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     # Edge by edge on columns: an argmin over an (n, k) array takes several times as long.

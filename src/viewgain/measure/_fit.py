@@ -128,8 +128,9 @@ def polled(fit: Fit, softness: Softness, reach: float) -> Box:
         for distance in (-reach, reach):
             step = np.zeros(PARAMETERS)
             step[3 + axis], step[6 + axis] = side * distance, distance
-            boxes.append(fit.box.moved(step))
-    return max((box for box in boxes if np.all(box.extents >= _MIN_EXTENT)), key=lambda box: value_at(box, fit, softness))
+            moved = fit.box.moved(step)
+            boxes += [moved] if np.all(moved.extents >= _MIN_EXTENT) else []
+    return max(boxes, key=lambda box: value_at(box, fit, softness))
 
 
 def _readings(fit: Fit) -> Array:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import log_ndtr
 
-from viewgain.arrays import Array
+from viewgain.arrays import Array, Points
 from viewgain.box import PARAMETERS, PLANE_NORMALS, Box, Hits, edge_cosines, edge_end_jacobians, range_jacobian_factors
 from viewgain.camera import Sensor
 from viewgain.measure._mixture import FLYING_REACH, Mixture, Pixels, Softness, Surface, mix
@@ -31,16 +31,28 @@ class Evaluation:
     """(9,) its derivative with respect to a step of the box (Box.moved)."""
     information: Array
     """(9, 9) its negative curvature (positive semi-definite approximation)."""
-    systematic: Array
-    """(9, 4) gradient caused by one unit of each systematic error of the ranges (Sensor.systematic_shapes)."""
     edge_pull: Array
     """(k, 9) gradient caused by each edge of the outline being shown one pixel too far out."""
     edge_precision: Array
     """(k,) information about where each edge of the outline lies, per square pixel."""
     box: Box
     """The box, in the frame of the camera that took the pixels."""
+    pixels: Pixels
+    """What the camera saw."""
+    sensor: Sensor
+    """Its noise model."""
     mixture: Mixture
     """What each pixel was taken for."""
+
+    @property
+    def systematic(self) -> Array:
+        """(9, 4) gradient caused by one unit of each systematic error of the ranges (Sensor.systematic_shapes)."""
+        gradient = np.zeros((PARAMETERS, 4))
+        for readings in _all_readings(self.pixels, self.sensor, self.mixture):
+            shapes = self.sensor.systematic_shapes(readings.ranges)
+            for mine, local, basis in range_jacobian_factors(self.box, readings.directions, readings.hits):
+                gradient += basis.T @ ((local * readings.precision[mine]) @ shapes[mine])
+        return gradient
 
     @property
     def readings(self) -> Array:
@@ -80,15 +92,19 @@ class Evaluation:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sums:
-    """Sums over readings or edge pixels, in the nine parameters."""
+class _Readings:
+    """The range readings on one surface."""
 
-    gradient: Array
-    """(9,)."""
-    information: Array
-    """(9, 9)."""
-    systematic: Array
-    """(9, 4) for ranges."""
+    directions: Points
+    """(m, 3) unit rays."""
+    hits: Hits
+    """Where they meet it."""
+    ranges: Array
+    """(m,) measured, metres."""
+    precision: Array
+    """(m,) responsibility over sigma squared."""
+    misfit: Array
+    """(m,) measured minus predicted, metres."""
 
 
 def log_likelihood(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness) -> float:
@@ -107,9 +123,12 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
         softness: Blur of outline and range.
     """
     mixture = mix(box, pixels, sensor, noise, softness)
-    # A face that should have lost a return did not give it: so far what it reports was mixed in from elsewhere.
-    faces = _readings(box, pixels, mixture.box, mixture.on_box * (1 - sensor.loss(mixture.box.hits.cosine)), sensor, np.inf)
-    floor = _readings(box, pixels, mixture.floor, mixture.on_floor, sensor, pixels.horizon)
+    gradient, information = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS))
+    for readings in _all_readings(pixels, sensor, mixture):
+        for mine, local, basis in range_jacobian_factors(box, readings.directions, readings.hits):
+            weighted = local * readings.precision[mine]
+            gradient += basis.T @ (weighted @ readings.misfit[mine])
+            information += basis.T @ (weighted @ local.T) @ basis
 
     slope, curvature = _edge_terms(mixture, softness.edge)
     edge, along = mixture.edges.edge[mixture.band.at], mixture.edges.along[mixture.band.at]
@@ -122,37 +141,37 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
     carried = gram @ ends  # [edges, 2, 9]
     return Evaluation(
         mixture.value,
-        faces.gradient + floor.gradient + push.ravel() @ ends.reshape(-1, PARAMETERS),
-        faces.information + floor.information + ends.reshape(-1, PARAMETERS).T @ carried.reshape(-1, PARAMETERS),
-        faces.systematic + floor.systematic,
+        gradient + push.ravel() @ ends.reshape(-1, PARAMETERS),
+        information + ends.reshape(-1, PARAMETERS).T @ carried.reshape(-1, PARAMETERS),
         carried.sum(axis=1),
         gram.sum(axis=(1, 2)),
         box,
+        pixels,
+        sensor,
         mixture,
     )
 
 
-def _readings(box: Box, pixels: Pixels, surface: Surface, probability: Array, sensor: Sensor, horizon: float) -> _Sums:
-    """Return the evidence of the range readings on one surface, plane by plane.
+def _all_readings(pixels: Pixels, sensor: Sensor, mixture: Mixture) -> tuple[_Readings, _Readings]:
+    """Return the readings on the faces and on the floor.
+
+    A face that should have lost a return did not give it: so far what it reports was mixed in from elsewhere.
+    """
+    kept = mixture.on_box * (1 - sensor.loss(mixture.box.hits.cosine))
+    return _readings(pixels, mixture.box, kept, np.inf), _readings(pixels, mixture.floor, mixture.on_floor, pixels.horizon)
+
+
+def _readings(pixels: Pixels, surface: Surface, probability: Array, horizon: float) -> _Readings:
+    """Return the range readings on one surface.
 
     Readings near the ``horizon`` are left out: beyond it nothing comes back, so of those just before it only the short ones
     do, and they would tilt the floor.
     """
     responsibility = probability * surface.gauss
     used = np.flatnonzero((responsibility > _NEGLIGIBLE) & (surface.hits.ranges < horizon - 4 * surface.sigma))
-    at, hits = surface.at[used], surface.hits.take(used)
-    directions, ranges = pixels.directions[at], pixels.ranges[at]
-    sigma = surface.sigma[used]
-    precision = responsibility[used] / sigma**2
-    gradient, information, systematic = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, 4))
-    response = np.column_stack([surface.z[used] * sigma, sensor.systematic_shapes(ranges)])
-    for mine, local, basis in range_jacobian_factors(box, directions, hits):
-        weighted = local * precision[mine]
-        pushed = basis.T @ (weighted @ response[mine])
-        gradient += pushed[:, 0]
-        systematic += pushed[:, 1:]
-        information += basis.T @ (weighted @ local.T) @ basis
-    return _Sums(gradient, information, systematic)
+    at, sigma = surface.at[used], surface.sigma[used]
+    precision, misfit = responsibility[used] / sigma**2, surface.z[used] * sigma
+    return _Readings(pixels.directions[at], surface.hits.take(used), pixels.ranges[at], precision, misfit)
 
 
 def _edge_terms(mixture: Mixture, blur: float) -> tuple[Array, Array]:

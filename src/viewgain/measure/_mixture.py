@@ -179,8 +179,9 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
     if pixels.other.any():
         faces, ground = _with_other_objects(pixels, faces, ground)
 
-    inner = box_hits(box, pixels.directions[at] + 0.5 * pixels.pitch * np.pad(edges.take(at).inward(shape), ((0, 0), (0, 1))))
-    shown = inside[at] + bloom(faces.take(in_box), inner, ground.take(in_floor), sensor)
+    inner = pixels.directions[at]
+    inner[:, :2] += 0.5 * pixels.pitch * shape.inward()[edges.edge[at]]
+    shown = inside[at] + bloom(faces.take(in_box), box_hits(box, inner), ground.take(in_floor), sensor)
     s, box_density, floor_density = shown, faces.density[in_box], ground.density[in_floor]
     seen, unseen = ndtr(s / softness.edge), ndtr(-s / softness.edge)
     mixing = FLYING * np.exp(-0.5 * (s / FLYING_REACH) ** 4)
