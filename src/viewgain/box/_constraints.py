@@ -1,7 +1,7 @@
 """The two constraints that a time-of-flight camera puts on a view of a box: incidence on its faces, nearness to the image border.
 
 Source: the paper's third contribution names both and gives no formula; these are ours. The one definition of either: the flags
-``grazing`` and ``cut``, the covariance of cut boxes, the prediction of views and the information gain all read it here.
+``grazing`` and ``cut``, the open extents of cut boxes, the prediction of views and the JSON read it here.
 """
 
 from collections.abc import Callable
