@@ -16,7 +16,9 @@ KINECT_BOX = np.array([0.445, 0.353, 0.192])
 
 
 TOO_WIDE = pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="17 mm too wide (9 mm before mixed pixels were made smooth), sigma 2 mm"
+    strict=True,
+    raises=AssertionError,
+    reason="30 mm too wide (9 mm before mixed pixels were made smooth, 17 before the stacks), sigma 2 mm",
 )
 
 
