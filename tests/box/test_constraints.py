@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from tests.box.cases import boxes
-from viewgain.box import FACES, Box, border_share, constraints, incidence
+from viewgain.box import FACES, Box, border_share, constraints, edges_shown, incidence
 from viewgain.camera import Intrinsics
 from viewgain.geometry import inverse
 from viewgain.scenes import orbit_pose, standing_box
@@ -62,6 +62,33 @@ def test_the_border_share_is_the_share_of_points_strewn_along_the_outline() -> N
         u, v = to_pixels(corners[side[:, 0]] * share + corners[side[:, 1]] * (1 - share)).T
         on_border = (u < 0.5) | (v < 0.5) | (u > CAMERA.width - 1.5) | (v > CAMERA.height - 1.5)
         assert border_share(moved, to_pixels, SIZE) == pytest.approx(on_border.mean(), abs=0.02)
+
+
+def test_an_edge_is_shown_as_far_as_it_lies_in_the_image() -> None:
+    """A cube from above, its right half out of the image: its middle is where the border begins."""
+    px, mx, py, my, top = range(5)
+    whole = edges_shown(overhead(1.0), to_pixels, SIZE)
+    assert np.all(whole[:4, top] == 1.0)
+    assert whole[px, mx] == whole[py, my] == whole[top, top] == 0.0, "opposite faces share no edge"
+    shift = np.eye(4)
+    u = to_pixels(np.zeros((1, 2)))[0, 0]
+    shift[0, 3] = (CAMERA.width - 1.5 - u) / CAMERA.fx * 0.8  # the top is 0.8 m away
+    cut = edges_shown(overhead(1.0).in_frame(shift), to_pixels, SIZE)
+    assert cut[px, top] == 0.0
+    assert cut[mx, top] == 1.0
+    assert cut[py, top] == pytest.approx(0.5, abs=1 / 32)
+
+
+@settings(max_examples=40)
+@given(boxes)
+def test_edges_shown_are_shares_and_belong_to_both_faces(box: Box) -> None:
+    shown = edges_shown(box, to_pixels, SIZE)
+    assert np.all((shown >= 0) & (shown <= 1))
+    np.testing.assert_array_equal(shown, shown.T)
+
+
+def test_nothing_behind_the_camera_is_shown() -> None:
+    assert not edges_shown(overhead(-1.0), to_pixels, SIZE).any()
 
 
 @settings(max_examples=40)

@@ -51,7 +51,7 @@ def test_directions_lead_back_to_their_pixels(with_intrinsics: bool) -> None:
     scan = lens_scan() if with_intrinsics else Scan.from_array(lens_scan().organised())
     image = range_image(scan)
     rows, columns = np.mgrid[0:90:7, 20:120:9].reshape(2, -1)
-    pixels = image.to_pixels(LENS.rays()[rows, columns])
+    pixels = image.plane.to_pixels(LENS.rays()[rows, columns])
     np.testing.assert_allclose(pixels, np.column_stack([columns, rows]), atol=1e-3 if with_intrinsics else 0.05)
 
 
@@ -77,7 +77,7 @@ def test_each_cell_holds_a_point_of_the_cloud_where_it_belongs() -> None:
     known = {tuple(point) for point in np.round(scan.points, 9)}
     assert all(tuple(point) in known for point in np.round(points, 9))
     rows, columns = np.nonzero(image.valid)
-    pixels = image.to_pixels(points[:, :2] / points[:, 2:])
+    pixels = image.plane.to_pixels(points[:, :2] / points[:, 2:])
     np.testing.assert_allclose(pixels, np.column_stack([columns, rows]), atol=0.5 + 1e-6)
 
 

@@ -13,6 +13,7 @@ from viewgain.box._constraints import BORDER_PX as BORDER_PX
 from viewgain.box._constraints import Constraints as Constraints
 from viewgain.box._constraints import border_share as border_share
 from viewgain.box._constraints import constraints as constraints
+from viewgain.box._constraints import edges_shown as edges_shown
 from viewgain.box._constraints import incidence as incidence
 from viewgain.box._raycast import Hits as Hits
 from viewgain.box._raycast import box_hits as box_hits

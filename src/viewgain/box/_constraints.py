@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Points2
-from viewgain.box._box import FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
+from viewgain.arrays import Array, Mask, Points2
+from viewgain.box._box import CORNERS, FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
 from viewgain.box._silhouette import NEAR, outline
 from viewgain.geometry import transform
 
@@ -68,8 +68,36 @@ def border_share(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[
     start = outline(box).vertices
     side = np.roll(start, -1, axis=0) - start
     along = np.linspace(0.0, 1.0, _PER_EDGE, endpoint=False)  # from vertex to vertex: an extreme point is never missed
-    u, v = to_pixels((start[:, None] + along[:, None] * side[:, None]).reshape(-1, 2)).T
-    low, high = margin - 0.5, np.array(size) - 0.5 - margin
-    outside = (u < low) | (v < low) | (u > high[0]) | (v > high[1])
+    outside = _outside(to_pixels((start[:, None] + along[:, None] * side[:, None]).reshape(-1, 2)), size, margin)
     length = np.repeat(np.linalg.norm(side, axis=1), _PER_EDGE)
     return float(length[outside].sum() / max(length.sum(), 1e-12))
+
+
+def edges_shown(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[int, int], margin: float = BORDER_PX) -> Array:
+    """Return the (5, 5) share of the edge between two faces that lies in the image, whether or not the box itself hides it.
+
+    The diagonal and pairs of opposite faces, which share no edge, are 0; so is an edge that is behind the camera. Arguments as
+    :func:`constraints`.
+    """
+    shown = np.zeros((FLOOR, FLOOR))
+    corners, on_face = box.corners(), _corners_of_faces()
+    for one in range(FLOOR):
+        for other in range(one):
+            ends = corners[on_face[one] & on_face[other]]
+            if len(ends) == 2 and np.all(ends[:, 2] > NEAR):
+                line = np.linspace(ends[0] / ends[0, 2], ends[1] / ends[1, 2], _PER_EDGE)[:, :2]
+                shown[one, other] = shown[other, one] = 1 - np.mean(_outside(to_pixels(line), size, margin))
+    return shown
+
+
+def _corners_of_faces() -> Mask:
+    """Return (5, 8): which corners each face has."""
+    normals, extents = PLANE_NORMALS[:FLOOR], PLANE_EXTENTS[:FLOOR]
+    return np.asarray(np.isclose(normals @ CORNERS.T, extents.sum(axis=1, keepdims=True)))
+
+
+def _outside(pixels: Points2, size: tuple[int, int], margin: float) -> Mask:
+    """Return which (n, 2) pixel coordinates lie on the border of the image or beyond it."""
+    u, v = pixels.T
+    low, high = margin - 0.5, np.array(size) - 0.5 - margin
+    return np.asarray((u < low) | (v < low) | (u > high[0]) | (v > high[1]))

@@ -84,11 +84,17 @@ def marginal(information: Array, systematic: Array, pose_precision: Array | None
 
 
 def refine(
-    box: Box, views: tuple[View, ...], schedule: tuple[Softness, ...], steps: int, corrections: Array | None = None
+    box: Box,
+    views: tuple[View, ...],
+    schedule: tuple[Softness, ...],
+    steps: int,
+    corrections: Array | None = None,
+    *,
+    held: int | None = None,
 ) -> Fit:
     """Return the box after up to ``steps`` damped scoring steps at each level of ``schedule``.
 
-    ``corrections`` are the (views, 6) pose errors to start from, zero if not given.
+    ``corrections`` are the (views, 6) pose errors to start from, zero if not given; the extent along the axis ``held`` stays.
 
     The prior on each extent is log-uniform (scale-free): its pull is far below the data's wherever the data speak, and where
     nothing bounds an extent from above it leaves it at its lower bound.
@@ -99,7 +105,7 @@ def refine(
             fit = _evaluated(fit.box, fit.corrections, views, softness)
         damping = 1e-3
         for _ in range(steps):
-            step, promised = _step(fit, damping)
+            step, promised = _step(fit, damping, held)
             if promised < softness.settled:
                 break
             trial = _evaluated(
@@ -178,7 +184,7 @@ def _evaluated(box: Box, corrections: Array, views: tuple[View, ...], softness: 
     return Fit(box, views, evaluations, corrections, value)
 
 
-def _step(fit: Fit, damping: float) -> tuple[Array, float]:
+def _step(fit: Fit, damping: float, held: int | None) -> tuple[Array, float]:
     """Return the damped step of the box (9) and of every view's pose correction (6 each), and the gain it promises."""
     size = PARAMETERS + 6 * len(fit.views)
     gradient, information = np.zeros(size), np.zeros((size, size))
@@ -196,6 +202,9 @@ def _step(fit: Fit, damping: float) -> tuple[Array, float]:
         information[pose, own] = evaluation.information[:6]
     gradient[6:PARAMETERS] -= 1 / fit.box.extents
     information[range(6, PARAMETERS), range(6, PARAMETERS)] += 1 / fit.box.extents**2
+    if held is not None:
+        gradient[6 + held] = information[6 + held] = information[:, 6 + held] = 0.0
+        information[6 + held, 6 + held] = 1.0
     step = np.linalg.solve(information + damping * np.diag(np.diag(information) + 1.0), gradient)
     step *= min(1.0, float(np.min(_MAX_STEP / np.maximum(np.abs(step[own]), 1e-12))))
     step[6:PARAMETERS] = np.maximum(step[6:PARAMETERS], _MIN_EXTENT - fit.box.extents)

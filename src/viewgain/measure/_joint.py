@@ -17,7 +17,7 @@ from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._pixels import thinned
 from viewgain.measure._quality import FaceView, Quality, face_views, flags, on_faces
 from viewgain.measure._result import BoxEstimate
-from viewgain.measure._uncertainty import SYSTEMATIC, Knowledge, believed, correlation, extent_interval
+from viewgain.measure._uncertainty import SYSTEMATIC, Knowledge, Shown, believed, correlation, extent_interval
 
 UNKNOWN_POSE = np.diag([1e-6] * 6)
 """(6, 6) precision of the pose of a camera that could stand anywhere: 1000 rad, 1000 m."""
@@ -88,7 +88,8 @@ def estimate_of(fit: Fit, parts: list[BoxEstimate], reference_precision: Array |
     spread = known.covariance(fit.views[0].sensor)
     spread[6:, 6:] += np.diag(_disagreement(fit, parts))
     quality = _quality(fit, parts)
-    x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut, spanned=quality.spans(axis)) for axis in range(3))
+    shown = [Shown(quality.cut, quality.spans(axis), quality.reach(axis)) for axis in range(3)]
+    x, y, z = (extent_interval(axis, fit, known, spread, shown[axis]) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     touching = any("touching" in part.flags for part in parts)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))
@@ -153,9 +154,13 @@ def _faces(view: View, box: Box, evaluation: Evaluation) -> tuple[FaceView, ...]
 
 
 def _merged(seen: list[tuple[FaceView, ...]]) -> tuple[FaceView, ...]:
-    """Return each face as the view with the most returns saw it."""
-    best: dict[str, FaceView] = {}
+    """Return each face as the view with the most returns saw it, with all that any view saw of its ends."""
+    views: dict[str, list[FaceView]] = {}
     for face in (face for faces in seen for face in faces):
-        if face.name not in best or face.returns > best[face.name].returns:
-            best[face.name] = face
-    return tuple(best.values())
+        views.setdefault(face.name, []).append(face)
+    return tuple(_together(faces) for faces in views.values())
+
+
+def _together(faces: list[FaceView]) -> FaceView:
+    edges, reach = (np.max([getattr(face, name) for face in faces], axis=0) for name in ("edges", "reach"))
+    return replace(max(faces, key=lambda face: face.returns), edges=edges, reach=reach)

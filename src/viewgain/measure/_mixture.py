@@ -15,6 +15,7 @@ from scipy.special import ndtr
 from viewgain.arrays import Array, Indices, Mask, Points, Points2
 from viewgain.box import Box, EdgeDistances, Hits, Outline, box_hits, edge_distances, floor_hits, outline
 from viewgain.camera import Sensor
+from viewgain.measure._range_image import ImagePlane
 
 STRAY = 0.02
 """Share of returns from the box that are nowhere near it (multipath, crosstalk)."""
@@ -66,6 +67,8 @@ class Pixels:
     """Pixel size in normalised image coordinates."""
     horizon: float
     """Range beyond which this scan has no returns, metres."""
+    plane: ImagePlane
+    """The image that they are of."""
 
     def take(self, chosen: Indices, weight: Array | None = None) -> "Pixels":
         """Return a subset, optionally with other weights."""
@@ -78,6 +81,7 @@ class Pixels:
             weights,
             self.pitch,
             self.horizon,
+            self.plane,
         )
 
 

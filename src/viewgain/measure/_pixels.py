@@ -38,6 +38,7 @@ def pixels_around(image: RangeImage, own: Mask, other: Mask) -> Pixels:
         np.ones(len(ranges)),
         image.pitch,
         float(np.nanquantile(image.ranges[::4, ::4], 0.995)),
+        image.plane,
     )
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Mask
-from viewgain.box import FACES, Box, border_share, incidence
+from viewgain.arrays import Array, Mask, Vector3
+from viewgain.box import FACES, Box, border_share, edges_shown, incidence
 from viewgain.measure._evidence import (
     MAX_SLENDER,
     MIN_FLAPS,
@@ -20,6 +20,7 @@ from viewgain.measure._evidence import (
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
 from viewgain.measure._range_image import RangeImage
+from viewgain.measure._stretch import SPANNING, SPANNING_POINTS
 
 GRAZING = np.deg2rad(72.0)
 """A face seen at a larger mean angle of incidence is flagged as grazing."""
@@ -29,10 +30,8 @@ BENT_M = 0.004
 """A face whose residuals follow a paraboloid of at least this depth is flagged as bent, metres."""
 MIN_FACE_POINTS = 25
 """A face counts as seen with at least this many returns."""
-SPANNING = (("+y", "-y", "top"), ("+x", "-x", "top"), ("+x", "-x", "+y", "-y"))
-"""The faces that contain each axis of the box."""
-SPANNING_POINTS = 100
-"""A face with at least this many returns shows how far it reaches."""
+MIN_EDGE_SHOWN = 0.1
+"""An edge shows where a face ends if at least this share of it lies in the image."""
 MIN_EXPLAINED = 0.75
 """An object is a box only if this share of its returns lies on the box's faces."""
 MIN_EXPLAINED_FEW = 0.95
@@ -43,6 +42,8 @@ MIN_THICKNESS = 0.02
 """A box thinner than this that is seen by less than one pixel in a hundred is none, metres."""
 FLAPS_WIDEN = 0.04
 """Standard deviation that flaps add to each side of a box, as a share of the cube root of its volume."""
+_ENDS = ((0, 1), (2, 3), (4,))
+"""The faces at the ends of each axis of the box, except the bottom."""
 _AXIS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "top": 2}
 
 
@@ -58,6 +59,10 @@ class FaceView:
     """How many returns lie on it."""
     bend: float
     """Depth of the paraboloid fitted to its residuals, metres; positive bulges towards the camera."""
+    edges: Array
+    """(5,) share of its edge with each of the faces that lies in the image (viewgain.box.edges_shown)."""
+    reach: Vector3
+    """(3,) how far its returns stretch along the box's x, y and z, metres: between their 1 % quantiles; 0 without returns."""
 
     @property
     def seen(self) -> bool:
@@ -90,8 +95,20 @@ class Quality:
         return self.border > 0
 
     def spans(self, axis: int) -> bool:
-        """Return whether a face with many returns contains this axis of the box (0 x, 1 y, 2 z)."""
-        return any(face.returns >= SPANNING_POINTS for face in self.faces if face.name in SPANNING[axis])
+        """Return whether faces with many returns show this axis of the box (0 x, 1 y, 2 z) from end to end.
+
+        An end is shown by the face that lies there or by the edge of another face with it; the lower end of z is the floor.
+        """
+        along = [face for face in self.faces if FACES.index(face.name) in SPANNING[axis] and face.returns >= SPANNING_POINTS]
+        at_ends = [[face for face in self.faces if face.name == FACES[end]] for end in _ENDS[axis]]
+        return bool(along) and all(
+            any(face.returns >= SPANNING_POINTS for face in own) or any(face.edges[end] >= MIN_EDGE_SHOWN for face in along)
+            for own, end in zip(at_ends, _ENDS[axis], strict=True)
+        )
+
+    def reach(self, axis: int) -> float:
+        """Return how far the returns on the faces stretch along an axis of the box, metres: it is no shorter than that."""
+        return max((float(face.reach[axis]) for face in self.faces), default=0.0)
 
     @property
     def faces_seen(self) -> int:
@@ -136,7 +153,7 @@ def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, 
         overlap=both / max(covered + max(float(own.sum()) - both, 0.0), 1.0),
         faces=faces,
         returns=int(returns),
-        border=border_share(box, image.to_pixels, image.ranges.shape[::-1]),
+        border=border_share(box, pixels.plane.to_pixels, pixels.plane.size),
         evidence=Evidence(
             relief=relief(evaluation, pixels, on_face, sigma),
             holes=behind,
@@ -196,13 +213,23 @@ def flags(quality: Quality, *, is_open: bool, touching: bool) -> tuple[str, ...]
 
 def face_views(box: Box, evaluation: Evaluation, pixels: Pixels, on_face: Mask) -> tuple[FaceView, ...]:
     """Return the faces of ``box`` that are turned towards the camera, with their returns among ``on_face`` (n,)."""
+    shown = edges_shown(box, pixels.plane.to_pixels, pixels.plane.size)
     views = []
     for index, angle in enumerate(incidence(box)):
         mine = on_face & (evaluation.hits.planes == index)
         if np.isfinite(angle):
-            returns = int(pixels.weight[mine].sum())
-            views.append(FaceView(FACES[index], float(angle), returns, _bend(evaluation, pixels, mine)))
+            returns, bend, reach = int(pixels.weight[mine].sum()), _bend(evaluation, pixels, mine), _reach(box, pixels, mine)
+            views.append(FaceView(FACES[index], float(angle), returns, bend, shown[index], reach))
     return tuple(views)
+
+
+def _reach(box: Box, pixels: Pixels, mine: Mask) -> Vector3:
+    """Return the (3,) stretch of a face's returns along the axes of the box."""
+    if not mine.any():
+        return np.zeros(3)
+    points = pixels.directions[mine] * pixels.ranges[mine, None]
+    low, high = np.quantile((points - box.box_to_camera[:3, 3]) @ box.box_to_camera[:3, :3], [0.01, 0.99], axis=0)
+    return np.asarray(high - low)
 
 
 def _bend(evaluation: Evaluation, pixels: Pixels, mine: Mask) -> float:

@@ -66,6 +66,24 @@ class RangeImage:
         """Return the image without the known range error of ``sensor``."""
         return replace(self, ranges=sensor.true_ranges(self.ranges))
 
+    @property
+    def plane(self) -> "ImagePlane":
+        """Where directions fall in the image, and where it ends."""
+        height, width = self.ranges.shape
+        return ImagePlane(self.intrinsics, self.lens, (width, height))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImagePlane:
+    """Where directions fall in an image, and where the image ends."""
+
+    intrinsics: Intrinsics
+    """The camera."""
+    lens: "LensMap | None"
+    """Stands in for the intrinsics where an organised scan came without."""
+    size: tuple[int, int]
+    """(width, height), pixels."""
+
     def to_pixels(self, image: Points2) -> Points2:
         """Return the (n, 2) pixel coordinates (u, v) of (n, 2) normalised image points."""
         if self.lens is not None:

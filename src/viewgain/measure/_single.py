@@ -15,7 +15,7 @@ from viewgain.measure._quality import FEW_POINTS, Quality, assess, flags, widene
 from viewgain.measure._range_image import RangeImage
 from viewgain.measure._result import BoxEstimate
 from viewgain.measure._segment import MIN_PIXELS
-from viewgain.measure._uncertainty import extent_interval, knowledge
+from viewgain.measure._uncertainty import Shown, extent_interval, knowledge
 
 MIN_HEIGHT = 0.02
 """Lower objects are told from the floor's own unevenness no longer, metres."""
@@ -130,6 +130,7 @@ def with_uncertainty(fit: Fit, quality: Quality, *, touching: bool) -> BoxEstima
     """Return the finished estimate of a fit: covariance, intervals, flags."""
     known = knowledge(fit)
     spread = widened(known.covariance(fit.views[0].sensor), quality)
-    x, y, z = (extent_interval(axis, fit, known, spread, cut=quality.cut, spanned=quality.spans(axis)) for axis in range(3))
+    shown = [Shown(quality.cut, quality.spans(axis), quality.reach(axis)) for axis in range(3)]
+    x, y, z = (extent_interval(axis, fit, known, spread, shown[axis]) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     return replace(bare, flags=flags(quality, is_open=any(bare.is_open), touching=touching))

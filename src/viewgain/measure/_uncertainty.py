@@ -1,15 +1,16 @@
 """From curvature to error bars: noise, what calibration leaves, how far real surfaces stray, and dimensions nobody saw."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from viewgain.arrays import Array
 from viewgain.box import PARAMETERS
 from viewgain.camera import Sensor
-from viewgain.measure._fit import SHARP, Fit, View, marginal, value_at
+from viewgain.measure._fit import SHARP, Fit, View, marginal
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
+from viewgain.measure._stretch import profile, returned
 
 PRIOR_EXTENT = (0.02, 2.0)
 """The stated prior on a dimension is log-uniform between these, metres."""
@@ -17,7 +18,9 @@ OPEN_SHARE = 0.15
 """A dimension whose standard deviation exceeds this share of it is open: the scan does not bound it like a measurement."""
 OPEN_TEMPER = 0.2
 """Share of its log likelihood that an open dimension's profile is believed: it rests on missing returns, whose chances a sensor
-model knows only roughly, and on other parameters held to a straight ridge."""
+model knows only roughly."""
+_TRIED = 12
+"""Lengths at which the profile of an open dimension is fitted."""
 SYSTEMATIC = 5
 """How many errors all pixels share: scale, offset and wave (two phases) of the ranges, and the shift of edges."""
 COMMON_EDGES = 0.6
@@ -144,7 +147,20 @@ def correlation_factor(evaluation: Evaluation, pixels: Pixels) -> float:
     return max(1.0, float(np.mean(mean[full] ** 2 * count[full])))
 
 
-def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut: bool, spanned: bool) -> Interval:
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What the image shows of one extent of a box."""
+
+    cut: bool
+    """Whether the box leaves the image. The curvature of the likelihood then tells only that an edge is no nearer than the
+    border, so it bounds the extent from above only if the likelihood falls on the far side too."""
+    spanned: bool
+    """Whether the camera sees both of its ends. If the box is cut and they are not seen, the far end may be anywhere."""
+    reach: float
+    """How far the returns on the box stretch along it, metres."""
+
+
+def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, shown: Shown) -> Interval:
     """Return the 90 % interval of one extent: Gaussian where the scan bounds it, else from likelihood profile and prior.
 
     Args:
@@ -152,59 +168,44 @@ def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, *, cut
         fit: The fitted box.
         known: What its views say.
         spread: Its (9, 9) covariance.
-        cut: Whether the box leaves the image. The curvature then tells only that an edge is no nearer than the border, so it
-            bounds the extent from above only if the likelihood falls on the far side too.
-        spanned: Whether a face that the camera sees spans the extent. If the box is cut as well, the far end is neither seen nor
-            known to lie in the image, and nothing is claimed but the prior's lower end.
+        shown: What the image shows of the extent.
     """
-    if cut and not spanned:
-        return Interval(min(PRIOR_EXTENT[0], float(fit.box.extents[axis])), np.inf, np.nan)
     value = float(fit.box.extents[axis])
+    if shown.cut and not shown.spanned:
+        return Interval(min(max(PRIOR_EXTENT[0], shown.reach), value), np.inf, np.nan)
     sigma = float(np.sqrt(spread[6 + axis, 6 + axis]))
-    ridge = _Ridge(axis, fit, known)
-    if sigma >= OPEN_SHARE * value:
-        return _profiled(ridge)
-    if cut and ridge.is_flat_beyond():
+    if sigma >= OPEN_SHARE * value or not shown.spanned:
+        return _profiled(axis, fit)
+    if shown.cut and _is_flat_beyond(axis, fit, known):
         return Interval(value - Z90 * sigma, np.inf, np.nan)
     return Interval(value - Z90 * sigma, value + Z90 * sigma, sigma)
 
 
-class _Ridge:
-    """The ridge of the likelihood along one extent: how the other parameters follow when it grows.
-
-    The seen face stays where it is and the unseen one moves off.
-    """
-
-    def __init__(self, axis: int, fit: Fit, known: Knowledge) -> None:
-        spread = np.linalg.inv(known.information + LOOSE_PRIOR)
-        self.fit, self.value = fit, float(fit.box.extents[axis])
-        self.sigma = float(np.sqrt(spread[6 + axis, 6 + axis]))
-        self._direction = spread[:, 6 + axis] / spread[6 + axis, 6 + axis]
-
-    def log_likelihood(self, length: float) -> float:
-        """Return the log likelihood where the extent has that length; minus infinity for an impossible box."""
-        box = self.fit.box.moved(self._direction * (length - self.value))
-        return value_at(box, self.fit, SHARP[0]) if np.all(box.extents > 0) else -np.inf
-
-    def is_flat_beyond(self) -> bool:
-        """Return whether the likelihood, four sigma further out, falls by under a quarter of what a Gaussian would."""
-        return self.log_likelihood(self.value) - self.log_likelihood(self.value + 4 * self.sigma) < 2.0
+def _is_flat_beyond(axis: int, fit: Fit, known: Knowledge) -> bool:
+    """Return whether the likelihood, four sigma further out, falls by under a quarter of what a Gaussian would."""
+    sigma = float(np.sqrt(np.linalg.inv(known.information + LOOSE_PRIOR)[6 + axis, 6 + axis]))
+    further = profile(fit, axis, np.array([fit.box.extents[axis] + 4 * sigma]), SHARP[0])
+    return fit.value - further[0].value < 2.0
 
 
-def _profiled(ridge: _Ridge) -> Interval:
+def _profiled(axis: int, fit: Fit) -> Interval:
     """Return the interval of an extent that the scan leaves open, from profile likelihood times the log-uniform prior.
 
     The upper end is open where the likelihood never falls by more than two units up to the prior's end.
     """
+    value = float(fit.box.extents[axis])
+    evidence = replace(fit, views=tuple(returned(view) for view in fit.views))
+    nodes = np.sort([*np.geomspace(*PRIOR_EXTENT, _TRIED), value])
+    fits = profile(evidence, axis, nodes, SHARP[0])
+    heights = np.array([tried.value for tried in fits]) + np.log(nodes)  # a fit's value holds the prior, and so does the grid
     grid = np.geomspace(*PRIOR_EXTENT, 90)
-    log_likelihood = np.array([ridge.log_likelihood(length) for length in grid])
-    log_likelihood = OPEN_TEMPER * (log_likelihood - log_likelihood.max())
+    log_likelihood = OPEN_TEMPER * np.interp(np.log(grid), np.log(nodes), heights - heights.max())
     posterior = np.exp(log_likelihood)
     posterior /= posterior.sum()
     low, high = np.interp([0.05, 0.95], np.cumsum(posterior), grid)
     if log_likelihood[-1] > -2.0:
-        return Interval(float(min(low, ridge.value)), np.inf, np.nan)
-    mean, step = float(posterior @ grid), ridge.value * (grid[1] / grid[0] - 1)
+        return Interval(float(min(low, value)), np.inf, np.nan)
+    mean, step = float(posterior @ grid), value * (grid[1] / grid[0] - 1)
     sigma = float(np.sqrt(posterior @ (grid - mean) ** 2 + step**2 / 12))
     margin = Z90 * step / 2
-    return Interval(float(min(low, ridge.value - margin)), float(max(high, ridge.value + margin)), sigma)
+    return Interval(float(min(low, value - margin)), float(max(high, value + margin)), sigma)

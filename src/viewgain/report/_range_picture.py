@@ -83,7 +83,7 @@ def to_image(image: "RangeImage", points: Points) -> Points2:
     seen = (image.directions[..., :2] / image.directions[..., 2:]).reshape(-1, 2)
     low, high = np.nanmin(seen, axis=0), np.nanmax(seen, axis=0)
     near = np.all((rays > low - 0.3 * (high - low)) & (rays < high + 0.3 * (high - low)), axis=1)
-    pixels[np.flatnonzero(ahead)[near]] = image.to_pixels(rays[near])
+    pixels[np.flatnonzero(ahead)[near]] = image.plane.to_pixels(rays[near])
     return pixels
 
 
