@@ -53,24 +53,28 @@ def find_touched(
     ids: Ids,
     squared: float,
 ) -> Mask:
-    """Return which of the ``chosen`` queries have a near point; otherwise as :func:`find_pairs`."""
-    touched = np.zeros(len(chosen), np.bool_)
+    """Return which of the ``chosen`` queries have a near point; otherwise as :func:`find_pairs`.
+
+    What was near one query is tried first on the next, its neighbour in an image; then the middle row of cubes.
+    """
+    touched, last = np.zeros(len(chosen), np.bool_), 0
     for i in range(len(chosen)):
         x, y, z = queries[chosen[i], 0], queries[chosen[i], 1], queries[chosen[i], 2]
+        dx, dy, dz = x - points[last, 0], y - points[last, 1], z - points[last, 2]
+        touched[i] = dx * dx + dy * dy + dz * dz < squared
         u, v, w = np.floor((x - low[0]) / side), np.floor((y - low[1]) / side), np.floor((z - low[2]) / side)
-        if -1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]:
-            left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
-            for c in range(max(int(w) - 1, 0), min(int(w) + 2, shape[2])):
-                for b in range(max(int(v) - 1, 0), min(int(v) + 2, shape[1])):
-                    cube = (c * shape[1] + b) * shape[0]
-                    for k in range(starts[cube + left], starts[cube + right]):
-                        dx, dy, dz = x - points[k, 0], y - points[k, 1], z - points[k, 2]
-                        if dx * dx + dy * dy + dz * dz < squared:
-                            touched[i] = True
-                            break
-                    if touched[i]:
-                        break
-                if touched[i]:
+        if touched[i] or not (-1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]):
+            continue
+        left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
+        for n in range(9):
+            b, c = int(v) + (n + 1) % 3 - 1, int(w) + (n // 3 + 1) % 3 - 1
+            if touched[i] or not (0 <= b < shape[1] and 0 <= c < shape[2]):
+                continue
+            cube = (c * shape[1] + b) * shape[0]
+            for k in range(starts[cube + left], starts[cube + right]):
+                dx, dy, dz = x - points[k, 0], y - points[k, 1], z - points[k, 2]
+                if dx * dx + dy * dy + dz * dz < squared:
+                    touched[i], last = True, k
                     break
     return touched
 
