@@ -28,6 +28,8 @@ PUBLISHED, UNION = "gain_published", "gain_union"
 """Names of the two targets: by the published rule, which may count surface twice, and by plain union."""
 EXACT = "exact"
 """The camera of clouds without noise."""
+NOTHING_SEEN = "the first view sees nothing of it"
+"""Why there is no sample from a start."""
 
 
 class CoverageMaker:
@@ -58,7 +60,11 @@ class CoverageMaker:
         """Yield one unit per mesh."""
         rules = self._content
         return mesh_units(
-            self._recipe.seed, self._folder, categories=rules.categories, per_category=rules.per_category, test_share=rules.test_share
+            self._recipe.seed,
+            self._folder,
+            categories=rules.categories,
+            per_category=rules.per_category,
+            test_share=rules.test_share,
         )
 
     def make(self, unit: Unit) -> Made:
@@ -69,12 +75,13 @@ class CoverageMaker:
         still = mesh.normalised(self._protocol.diagonal)
         surface = surface_samples(still, self._protocol.surface_points, rng=generator(seed, (unit.object, SURFACE, 0, 0)))
         covered = cover(clouds, surface, self._protocol.reach)
-        samples, skipped = [], []
+        samples: list[Sample] = []
+        skipped: list[Skipped] = []
         for first in self._starts(unit):
             if len(clouds[first]):
                 samples += self._episode(unit, clouds, covered, first)
             else:
-                skipped.append(Skipped(unit=unit.number, name=f"{unit.name}/start{first:02d}", reason="the first view sees nothing"))
+                skipped.append(Skipped(unit=unit.number, name=f"{unit.name}/start{first:02d}", reason=NOTHING_SEEN))
         return Made(samples=tuple(samples), skipped=tuple(skipped), masks=masks_of(unit, covered) if self._content.masks else {})
 
     def scans(self, unit: Unit) -> Iterator[tuple[Sample | Skipped, Scan | None]]:
@@ -85,7 +92,7 @@ class CoverageMaker:
         if self._content.starts == 0:
             return list(range(len(self._views)))
         rng = generator(self._recipe.seed, (unit.object, START, 0, 0))
-        return rng.permutation(len(self._views))[: self._content.starts].tolist()
+        return [int(view) for view in rng.permutation(len(self._views))[: self._content.starts]]
 
     def _episode(self, unit: Unit, clouds: list[Points], covered: Cover, first: int) -> Iterator[Sample]:
         """Yield what is known and what each view would add, before each step of the greedy sequence from one start."""

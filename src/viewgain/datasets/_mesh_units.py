@@ -30,7 +30,10 @@ def mesh_units(
     away = set(rng.permutation(np.array(kinds, dtype=object))[: round(test_share * len(kinds))].tolist())
     aside = rng.random(len(named)) < test_share
     for number, (category, name, entry) in enumerate(named):
-        splits = {"same_category": "test" if aside[number] else "train", "other_category": "test" if category in away else "train"}
+        splits = {
+            "same_category": "test" if aside[number] else "train",
+            "other_category": "test" if category in away else "train",
+        }
         yield Unit(number=number, object=number, name=f"{category}/{name}", category=category, splits=splits, source=entry)
 
 

@@ -25,7 +25,7 @@ from viewgain.scenes import Scene
 from viewgain.simulate import Effects, capture
 
 WIDTH, HEIGHT = 640, 480
-"""Image on which coverage is counted, over the camera's own field of view: finer than the camera, so that its pixels leave no gaps."""
+"""Image on which coverage is counted, over the camera's own field of view: finer than the camera's, so that no gaps are left."""
 
 
 class MeshMaker:
@@ -45,7 +45,11 @@ class MeshMaker:
         """Yield one unit per mesh."""
         rules = self._content
         return mesh_units(
-            self._recipe.seed, self._folder, categories=rules.categories, per_category=rules.per_category, test_share=rules.test_share
+            self._recipe.seed,
+            self._folder,
+            categories=rules.categories,
+            per_category=rules.per_category,
+            test_share=rules.test_share,
         )
 
     def make(self, unit: Unit) -> Made:

@@ -1,4 +1,4 @@
-"""A recipe worked out: its units, the shards they are stored in, and the words that the columns count. Made before anything runs."""
+"""A recipe worked out, before anything runs: its units, the shards they are stored in, and the words that the columns count."""
 
 import hashlib
 import json
@@ -12,7 +12,7 @@ from viewgain.datasets import _boxes, _mesh_units
 from viewgain.datasets._boxes import BoxMaker
 from viewgain.datasets._columns import Tables
 from viewgain.datasets._recorded import UNNAMED, RecordedMaker
-from viewgain.datasets._settings import BoxSettings, CoverageSettings, MeshSettings, RecordedSettings, Recipe
+from viewgain.datasets._settings import BoxSettings, CoverageSettings, MeshSettings, Recipe, RecordedSettings
 from viewgain.datasets._unit import Maker, Unit
 from viewgain.errors import DataError
 
@@ -63,7 +63,7 @@ def plan_of(recipe: Recipe, *, meshes: Path | None = None, recordings: Path | No
         recordings: Folder of ``box/position/scan`` files, for recipes that read them.
 
     Raises:
-        ConfigError: If the recipe cannot be made: unknown camera, rig, category, protocol or effect, or no folder where one is needed.
+        ConfigError: If the recipe cannot be made: an unknown camera, rig, category, protocol or effect, or a folder is missing.
         MeshError: If the folder holds no mesh.
         DataError: If there is nothing to make.
     """
@@ -71,9 +71,7 @@ def plan_of(recipe: Recipe, *, meshes: Path | None = None, recordings: Path | No
     units = tuple(maker.units())
     if not units:
         raise DataError(f"recipe {recipe.name}: there is nothing to make")
-    tables = Tables(
-        categories=tuple(sorted({unit.category for unit in units})), cameras=_cameras(recipe), splits=_splits(recipe)
-    )
+    tables = Tables(categories=tuple(sorted({unit.category for unit in units})), cameras=_cameras(recipe), splits=_splits(recipe))
     return Plan(recipe=recipe, meshes=meshes, recordings=recordings, units=units, tables=tables)
 
 

@@ -90,6 +90,8 @@ def _parsed(text: str, where: str) -> Mapping[str, Any]:
 def _value(hint: Any, value: object, where: str) -> Any:
     """Return a value as its field's type: whole numbers pass for floats, lists for tuples."""
     origin, inside = get_origin(hint), get_args(hint)
+    if hint is Any:
+        return value
     if origin is tuple and isinstance(value, list | tuple):
         each = [inside[0]] * len(value) if inside[-1] is Ellipsis else list(inside)
         if len(each) == len(value):

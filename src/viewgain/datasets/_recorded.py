@@ -12,7 +12,7 @@ from viewgain.camera import sensor
 from viewgain.datasets._points import kept
 from viewgain.datasets._sample import UNKNOWN_DIMS, Sample
 from viewgain.datasets._seeds import SCAN, SPLIT, generator
-from viewgain.datasets._settings import RecordedSettings, Recipe
+from viewgain.datasets._settings import Recipe, RecordedSettings
 from viewgain.datasets._station import only_first, seen_from
 from viewgain.datasets._unit import Made, Skipped, Unit
 from viewgain.errors import ConfigError, ViewgainError
@@ -41,7 +41,9 @@ class RecordedMaker:
         if folder is None:
             raise ConfigError(f"recipe {recipe.name} reads your own recordings; name their folder with --recordings FOLDER")
         if recipe.points.frame != "camera":
-            raise ConfigError(f"recipe {recipe.name}: got frame {recipe.points.frame!r}, wanted 'camera': nobody knows the object's")
+            raise ConfigError(
+                f"recipe {recipe.name}: got frame {recipe.points.frame!r}, wanted 'camera': nobody knows the object's"
+            )
         self._recipe, self._content, self._folder = recipe, content, folder
         self.camera = sensor(content.camera).name if content.camera else UNNAMED
 

@@ -7,13 +7,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from viewgain.arrays import Array, Mask, Points, Pose, Poses, Vector3
+from viewgain.arrays import Array, Mask, Pose, Poses, Vector3
 from viewgain.datasets._seeds import SeedKey
 from viewgain.errors import ConfigError
 from viewgain.geometry import inverse, transform
 
 Frame: TypeAlias = Literal["camera", "object"]
-"""Where points are given: in the present camera, as a camera measures them, or in the object's own frame, which it cannot know."""
+"""Where points are given: in the present camera, as it measures them, or in the object's own frame, which it cannot know."""
 UNKNOWN_DIMS = np.full(3, np.nan)
 """The side lengths of what is no box, or was never measured."""
 
@@ -22,7 +22,7 @@ UNKNOWN_DIMS = np.full(3, np.nan)
 class Sample:
     """What a planner sees, what it is to answer, and where the sample came from."""
 
-    points: Points
+    points: NDArray[Any]
     """(n, 3) metres, in :attr:`frame`; of a later step, the points of all views so far. float32 once read from a data set."""
     frame: Frame
     """Where the points are given."""
@@ -53,7 +53,7 @@ class Sample:
     capture: int
     """Which of the scans from this view, or which of the starts."""
     seed: SeedKey
-    """Spawn key of the stream that drew it, under the seed of the recipe; of a real scan, of the stream that thinned its points."""
+    """Spawn key of the stream that drew it, under the recipe's seed; of a real scan, of what thinned its points."""
     splits: Mapping[str, str] = field(default_factory=dict)
     """The part it belongs to in each of the data set's divisions, for instance ``{"same_box": "train", "other_box": "test"}``."""
     targets: Mapping[str, NDArray[Any]] = field(default_factory=dict)

@@ -27,7 +27,9 @@ class PointRules:
 
     def __post_init__(self) -> None:
         if self.frame not in ("camera", "object") or self.storage not in ("quantised", "float16", "float32"):
-            raise ConfigError(f"points: got frame {self.frame!r} and storage {self.storage!r}, wanted known ones; see docs/data.md")
+            raise ConfigError(
+                f"points: got frame {self.frame!r} and storage {self.storage!r}, wanted known ones; see docs/data.md"
+            )
         if self.cap < 1 or self.resample < 0:
             raise ConfigError(f"points: got cap {self.cap} and resample {self.resample}, wanted 1 or more, and 0 or more")
 
@@ -169,9 +171,7 @@ class MeshSettings:
 
 Content: TypeAlias = CoverageSettings | BoxSettings | RecordedSettings | MeshSettings
 """What a data set is made of."""
-CONTENTS: dict[str, type[Content]] = {
-    each.kind: each for each in (CoverageSettings, BoxSettings, RecordedSettings, MeshSettings)
-}
+CONTENTS: dict[str, type[Content]] = {each.kind: each for each in (CoverageSettings, BoxSettings, RecordedSettings, MeshSettings)}
 """By the kind that a recipe file names."""
 
 

@@ -44,7 +44,7 @@ class Setup:
 
 def noisy_camera(names: Sequence[str], factors: Sequence[float], *, rng: np.random.Generator) -> tuple[Sensor, float]:
     """Return a camera drawn from ``names`` with its noise times a factor drawn from ``factors``, and the factor."""
-    camera, factor = sensor(names[rng.integers(len(names))]), float(factors[rng.integers(len(factors))])
+    camera, factor = sensor(names[int(rng.integers(len(names)))]), float(factors[int(rng.integers(len(factors)))])
     return replace(camera, **{name: getattr(camera, name) * factor for name in _NOISE}), factor
 
 
@@ -55,4 +55,4 @@ def seen_from(view: int, present: Poses, stations: Poses) -> Poses:
 
 def only_first(count: int) -> Mask:
     """Return (V,) the state after one view, the present one first."""
-    return np.arange(count) == 0
+    return np.asarray(np.arange(count) == 0)

@@ -18,7 +18,17 @@ from viewgain.errors import DataError
 
 Columns: TypeAlias = dict[str, NDArray[Any]]
 """Arrays by name."""
-_TYPES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "I32": "<i4", "I16": "<i2", "U32": "<u4", "U16": "<u2", "U8": "|u1", "BOOL": "|b1"}
+_TYPES = {
+    "F32": "<f4",
+    "F16": "<f2",
+    "I64": "<i8",
+    "I32": "<i4",
+    "I16": "<i2",
+    "U32": "<u4",
+    "U16": "<u2",
+    "U8": "|u1",
+    "BOOL": "|b1",
+}
 _NAMES = {np.dtype(value).str: key for key, value in _TYPES.items()}
 _LARGEST_HEADER = 100_000_000
 """The limit that the format itself sets, bytes."""
@@ -32,9 +42,8 @@ def encoded(columns: Columns, metadata: Mapping[str, str]) -> bytes:
     start = 0
     for name in names:
         array = columns[name]
-        header[name] = {
-            "dtype": _NAMES[array.dtype.newbyteorder("<").str], "shape": list(array.shape), "data_offsets": [start, start + array.nbytes]
-        }  # fmt: skip
+        kind, shape = _NAMES[array.dtype.newbyteorder("<").str], list(array.shape)
+        header[name] = {"dtype": kind, "shape": shape, "data_offsets": [start, start + array.nbytes]}
         start += array.nbytes
     text = json.dumps(header, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 8)
