@@ -8,6 +8,7 @@ from viewgain.datasets._engine import LocalEngine as LocalEngine
 from viewgain.datasets._engine import engine as engine
 from viewgain.datasets._estimators import ESTIMATORS as ESTIMATORS
 from viewgain.datasets._estimators import volume_error as volume_error
+from viewgain.datasets._export import export_hf as export_hf
 from viewgain.datasets._manifest import Manifest as Manifest
 from viewgain.datasets._manifest import read_manifest as read_manifest
 from viewgain.datasets._plan import Plan as Plan
