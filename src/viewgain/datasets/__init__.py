@@ -1,5 +1,6 @@
 """Training data from a recipe, on one core or a cluster, the same bits either way; and reading it at full speed."""
 
+from viewgain.datasets._augment import Augmentation as Augmentation
 from viewgain.datasets._build import Progress as Progress
 from viewgain.datasets._build import build as build
 from viewgain.datasets._dataset import Dataset as Dataset
@@ -23,6 +24,9 @@ from viewgain.datasets._settings import MeshSettings as MeshSettings
 from viewgain.datasets._settings import PointRules as PointRules
 from viewgain.datasets._settings import Recipe as Recipe
 from viewgain.datasets._settings import RecordedSettings as RecordedSettings
+from viewgain.datasets._torch import ShuffledOrder as ShuffledOrder
+from viewgain.datasets._torch import TorchDataset as TorchDataset
+from viewgain.datasets._torch import collated as collated
 from viewgain.datasets._verify import estimators_of as estimators_of
 from viewgain.datasets._verify import verify as verify
 from viewgain.datasets._volume_errors import add_volume_errors as add_volume_errors

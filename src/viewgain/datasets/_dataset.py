@@ -1,9 +1,11 @@
 """Reading a data set: any sample at once, straight from the memory map."""
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +35,27 @@ class Dataset:
         self.manifest: Manifest = read_manifest(self.folder)
         self._ends = np.cumsum([shard.samples for shard in self.manifest.shards]).tolist()
         self._shard = lru_cache(maxsize=_MOST_OPEN)(self._open)
+        self._scores: dict[str, Mapping[int, Array]] = {}
+
+    def with_scores(self, name: str, scores: Mapping[int, Array]) -> "Dataset":
+        """Return the same data set with a further target that is the same for all samples of an object.
+
+        Args:
+            name: What to call it.
+            scores: (V,) scores by object, in rig order; each sample gets them with its present view first.
+        """
+        other = Dataset(self.folder)
+        other._scores = {**self._scores, name: scores}
+        return other
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave the memory maps behind: another process opens its own."""
+        return {"folder": self.folder, "_scores": self._scores}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Open the data set again."""
+        self.__init__(state["folder"])  # type: ignore[misc]  # a fresh start is what is wanted
+        self._scores = state["_scores"]
 
     def __len__(self) -> int:
         return self.manifest.samples
@@ -45,7 +68,11 @@ class Dataset:
             DataError: If its shard is missing or its header damaged; ``viewgain dataset verify`` looks at the content too.
         """
         number, row = self._place(index)
-        return unpacked(self._shard(number), row, self.manifest.tables, self.manifest.frame)
+        sample = unpacked(self._shard(number), row, self.manifest.tables, self.manifest.frame)
+        if not self._scores:
+            return sample
+        further = {name: np.roll(scores[sample.object], -sample.view) for name, scores in self._scores.items()}
+        return replace(sample, targets={**sample.targets, **further})
 
     def __iter__(self) -> Iterator[Sample]:
         return (self[index] for index in range(len(self)))
