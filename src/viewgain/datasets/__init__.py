@@ -7,7 +7,6 @@ from viewgain.datasets._dataset import Dataset as Dataset
 from viewgain.datasets._engine import Engine as Engine
 from viewgain.datasets._engine import LocalEngine as LocalEngine
 from viewgain.datasets._engine import engine as engine
-from viewgain.datasets._estimators import ESTIMATORS as ESTIMATORS
 from viewgain.datasets._estimators import volume_error as volume_error
 from viewgain.datasets._export import export_hf as export_hf
 from viewgain.datasets._manifest import Manifest as Manifest
@@ -18,6 +17,8 @@ from viewgain.datasets._recipe_file import RECIPES as RECIPES
 from viewgain.datasets._recipe_file import recipe as recipe
 from viewgain.datasets._sample import Frame as Frame
 from viewgain.datasets._sample import Sample as Sample
+from viewgain.datasets._scores import histogram_scores as histogram_scores
+from viewgain.datasets._scores import object_errors as object_errors
 from viewgain.datasets._settings import BoxSettings as BoxSettings
 from viewgain.datasets._settings import CoverageSettings as CoverageSettings
 from viewgain.datasets._settings import MeshSettings as MeshSettings

@@ -68,7 +68,7 @@ def packed(samples: Sequence[Sample], tables: Tables, storage: PointStorage) -> 
     return columns
 
 
-def unpacked(columns: Columns, row: int, tables: Tables, frame: Frame) -> Sample:
+def unpacked(columns: Columns, row: int, tables: Tables, frame: Frame, targets: Sequence[str]) -> Sample:
     """Return one sample; arrays are views of the columns but for the points, which are float32."""
     low, high = columns["candidate_offsets"][row : row + 2].tolist()
     start, end = columns["point_offsets"][row : row + 2].tolist()
@@ -92,9 +92,7 @@ def unpacked(columns: Columns, row: int, tables: Tables, frame: Frame) -> Sample
         capture=int(columns["capture"][row]),
         seed=(a, b, c, d),
         splits={name: tables.parts[part] for name, part in zip(tables.splits, parts, strict=True)},
-        targets={
-            name[len(TARGET) :]: column[low:high] for name, column in columns.items() if name.startswith(TARGET)
-        },
+        targets={name: columns[TARGET + name][low:high] for name in targets},
     )  # fmt: skip
 
 

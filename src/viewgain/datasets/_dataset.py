@@ -68,7 +68,7 @@ class Dataset:
             DataError: If its shard is missing or its header damaged; ``viewgain dataset verify`` looks at the content too.
         """
         number, row = self._place(index)
-        sample = unpacked(self._shard(number), row, self.manifest.tables, self.manifest.frame)
+        sample = unpacked(self._shard(number), row, self.manifest.tables, self.manifest.frame, self.manifest.targets)
         if not self._scores:
             return sample
         further = {name: np.roll(scores[sample.object], -sample.view) for name, scores in self._scores.items()}

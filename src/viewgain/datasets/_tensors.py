@@ -68,7 +68,7 @@ def opened(path: Path) -> tuple[Columns, dict[str, str]]:
         if 8 + length + max((entry["data_offsets"][1] for entry in header.values()), default=0) != len(content):
             raise ValueError("its size is not what its header says")
     except (OSError, ValueError, KeyError, TypeError, AttributeError, struct.error) as error:
-        raise DataError(f"{path}: cannot be read as a shard ({error}); run viewgain dataset build with --resume") from error
+        raise DataError(f"{path}: cannot be read as a shard ({error}); run its build with --resume") from error
     return columns, metadata
 
 

@@ -1,6 +1,6 @@
 """Samples as tensors, in an order that can be left and taken up again. torch is loaded when the first tensor is made.
 
-What comes out for a place in the order depends on the seed and the place alone: not on the worker, nor on where training was stopped.
+What comes out for a place in the order depends on the seed and the place alone: not on the worker, nor on where training stopped.
 """
 
 from collections.abc import Iterator, Sequence
@@ -35,7 +35,7 @@ class ShuffledOrder:
         return self._count - self._consumed % self._count
 
     def __iter__(self) -> Iterator[int]:
-        """Yield places from where the order stands to the end of its epoch: ``epoch * count + index``, see :class:`TorchDataset`."""
+        """Yield places for :class:`TorchDataset` from where the order stands to the end of its epoch: ``epoch * count + index``."""
         epoch, position = divmod(self._consumed, self._count)
         for index in self.epoch(epoch)[position:].tolist():
             yield epoch * self._count + index
@@ -50,7 +50,7 @@ class ShuffledOrder:
 
 
 class TorchDataset:
-    """A map-style dataset for ``torch.utils.data.DataLoader``, with :class:`ShuffledOrder` as its sampler and :func:`collated`."""
+    """A map-style dataset for ``torch.utils.data.DataLoader``; :class:`ShuffledOrder` is its sampler, :func:`collated` its batches."""
 
     def __init__(
         self,

@@ -16,7 +16,7 @@ from viewgain.camera import Sensor, sensor
 from viewgain.datasets._build import Progress, Watcher, task_of
 from viewgain.datasets._columns import packed
 from viewgain.datasets._engine import Dead, Engine
-from viewgain.datasets._estimators import ESTIMATORS, volume_error
+from viewgain.datasets._estimators import volume_error
 from viewgain.datasets._files import make_folder, remove_unfinished, write_whole
 from viewgain.datasets._manifest import ERRORS, SHARDS, Manifest, read_manifest
 from viewgain.datasets._plan import Plan, maker_of
@@ -25,6 +25,7 @@ from viewgain.datasets._settings import BoxSettings, RecordedSettings
 from viewgain.datasets._tensors import encoded, intact, opened
 from viewgain.datasets._work import Task
 from viewgain.errors import ConfigError, DataError
+from viewgain.gain import ESTIMATORS
 
 OTHERWISE = "this version of viewgain simulates otherwise, or the recordings have changed: build the data set anew"
 """What to do about scans that are not those of the data set."""
@@ -58,7 +59,7 @@ def add_volume_errors(
     Args:
         plan: The plan it was built from.
         folder: Where it is.
-        estimators: Keys of :data:`ESTIMATORS`.
+        estimators: Some of ``viewgain.gain.ESTIMATORS``.
         engine: Who does it; the bytes do not depend on it.
         watch: Is told how far it is.
 
