@@ -1,10 +1,12 @@
 """Boxes on a floor: each is scanned many times from each station, so that the spread of a station's volume errors can be seen."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from viewgain.camera import Sensor
 from viewgain.datasets._points import kept
 from viewgain.datasets._sample import Sample
 from viewgain.datasets._seeds import SCAN, SCENE, generator
@@ -14,10 +16,10 @@ from viewgain.datasets._unit import Made, Skipped, Unit
 from viewgain.errors import ScanError
 from viewgain.geometry import inverse, transform
 from viewgain.rays import SceneCaster
-from viewgain.rigs import Target, irregular_rig, rig
+from viewgain.rigs import Rig, Target, irregular_rig, rig
 from viewgain.scans import MIN_POINTS, Scan
 from viewgain.scenes import Scene, SceneRanges, Surroundings, random_scene, standing_box
-from viewgain.simulate import NO_ERROR, Effects, capture, draw_range_error
+from viewgain.simulate import NO_ERROR, Effects, RangeError, capture, draw_range_error
 
 SPLITS = ("same_box", "other_box")
 """``same_box`` is the published one: scans of one box lie on both sides. ``other_box`` keeps whole boxes apart."""
@@ -27,7 +29,12 @@ class BoxMaker:
     """Scans boxes."""
 
     def __init__(self, recipe: Recipe, content: BoxSettings) -> None:
-        """Prepare nothing yet: a scene is made with its first scan."""
+        """Check the names; a scene is made with its first scan.
+
+        Raises:
+            ConfigError: If a camera, rig or effect is not known.
+        """
+        Effects().without(*content.without)
         self._recipe, self._content = recipe, content
         self._setup = lru_cache(maxsize=2)(self._made_setup)
 
@@ -36,7 +43,7 @@ class BoxMaker:
         number, rules = 0, self._content
         for box in range(rules.number):
             part = "test" if box >= rules.number - rules.test_boxes else "train"
-            for view in range(len(self._setup(box).rig.stations)):
+            for view in range(len(self._viewer(box).rig.stations)):
                 for first in range(0, rules.captures, rules.captures_per_unit):
                     captures = range(first, min(first + rules.captures_per_unit, rules.captures))
                     name = f"box{box:05d}/view{view:02d}/{first:04d}"
@@ -90,18 +97,23 @@ class BoxMaker:
                 scan,
             )
 
-    def _made_setup(self, box: int) -> Setup:
-        """Return the scene of a box; the draws follow one another, so that each depends only on the box's number."""
+    def _viewer(self, box: int) -> "_Viewer":
+        """Return what looks at a box, and the generator that goes on to draw its scene."""
         rules, rng = self._content, generator(self._recipe.seed, (box, SCENE, 0, 0))
         camera, noise = noisy_camera(rules.cameras, rules.noise, rng=rng)
         error = draw_range_error(camera, rng=rng) if rules.systematic else NO_ERROR
         count = int(rng.integers(rules.views[0], rules.views[1], endpoint=True))
         stations = irregular_rig(count, rng=rng) if rules.rig == "irregular" else rig(rules.rig)
-        scene = self._scene(box, rng)
+        return _Viewer(camera, noise, error, stations, rng)
+
+    def _made_setup(self, box: int) -> Setup:
+        """Return the scene of a box and what looks at it; it depends only on the box's number."""
+        viewer = self._viewer(box)
+        scene = self._scene(box, viewer.rng)
         first = scene.boxes[0]
         return Setup(
-            caster=SceneCaster(scene), target=Target(first.box_to_camera, first.extents), rig=stations, camera=camera,
-            noise=noise, effects=Effects().without(*rules.without), error=error,
+            caster=SceneCaster(scene), target=Target(first.box_to_camera, first.extents), rig=viewer.rig, camera=viewer.camera,
+            noise=viewer.noise, effects=Effects().without(*self._content.without), error=viewer.error,
         )  # fmt: skip
 
     def _scene(self, box: int, rng: np.random.Generator) -> Scene:
@@ -112,6 +124,17 @@ class BoxMaker:
             return scene
         first = standing_box(np.array(rules.sizes[box]), yaw=float(np.deg2rad(rng.uniform(*rules.yaw_deg))))
         return Scene((first, *scene.boxes[1:]), scene.meshes, scene.planes, scene.reflectivity)
+
+
+@dataclass(frozen=True, slots=True)
+class _Viewer:
+    """What looks at a box."""
+
+    camera: Sensor
+    noise: float
+    error: RangeError
+    rig: Rig
+    rng: np.random.Generator
 
 
 def _scan(setup: Setup, present: np.ndarray, rng: np.random.Generator) -> Scan | str:

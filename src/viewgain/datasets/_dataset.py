@@ -58,7 +58,7 @@ class Dataset:
         self._scores = state["_scores"]
 
     def __len__(self) -> int:
-        return self.manifest.samples
+        return int(self._ends[-1]) if self._ends else 0
 
     def __getitem__(self, index: int) -> Sample:
         """Return one sample: float32 points, everything else a view of the file.

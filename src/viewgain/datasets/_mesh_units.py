@@ -7,6 +7,7 @@ import numpy as np
 
 from viewgain.datasets._seeds import SCENE, SPLIT, generator
 from viewgain.datasets._unit import Unit
+from viewgain.errors import ConfigError
 from viewgain.meshes import MeshEntry, MeshFolder, TriangleMesh
 from viewgain.shapes import CATEGORIES, procedural
 
@@ -55,6 +56,9 @@ def _from_folder(folder: Path, categories: tuple[str, ...]) -> Iterable[tuple[st
 
 
 def _procedural(categories: tuple[str, ...], per_category: int) -> Iterable[tuple[str, str, MeshEntry | None]]:
+    unknown = sorted(set(categories) - set(CATEGORIES))
+    if unknown:
+        raise ConfigError(f"got the categories {', '.join(unknown)}, wanted some of {', '.join(sorted(CATEGORIES))}")
     for category in sorted(categories or CATEGORIES):
         for number in range(per_category):
             yield category, f"{number:05d}", None

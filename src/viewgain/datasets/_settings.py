@@ -79,7 +79,7 @@ class BoxSettings:
     """Scans of one station that are one unit of work. The bits of a scan do not depend on it."""
     train_captures: int = 700
     """Of the division ``same_box``: the first so many scans of each station train, the others test."""
-    test_boxes: int = 3
+    test_boxes: int = 0
     """Of the division ``other_box``: the last so many boxes test."""
     cameras: tuple[str, ...] = ("pico_flexx",)
     """Camera presets or files; one is drawn for each box."""

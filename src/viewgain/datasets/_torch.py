@@ -35,7 +35,7 @@ class ShuffledOrder:
         return self._count - self._consumed % self._count
 
     def __iter__(self) -> Iterator[int]:
-        """Yield places for :class:`TorchDataset` from where the order stands to the end of its epoch: ``epoch * count + index``."""
+        """Yield places for :class:`TorchDataset`, from here to the end of the epoch: ``epoch * count + index``."""
         epoch, position = divmod(self._consumed, self._count)
         for index in self.epoch(epoch)[position:].tolist():
             yield epoch * self._count + index
@@ -50,7 +50,7 @@ class ShuffledOrder:
 
 
 class TorchDataset:
-    """A map-style dataset for ``torch.utils.data.DataLoader``; :class:`ShuffledOrder` is its sampler, :func:`collated` its batches."""
+    """A map-style dataset for torch's ``DataLoader``; :class:`ShuffledOrder` is its sampler, :func:`collated` makes batches."""
 
     def __init__(
         self,
