@@ -7,6 +7,7 @@ from benchmarks import (
     accuracy,
     calibration,
     closed_loop,
+    data,
     enclosing,
     fusion,
     lines,
@@ -35,6 +36,7 @@ BENCHMARKS = {
     "stacks": stacks.run,
     "not-a-box": not_a_box.run,
     "enclosing": enclosing.run,
+    "data": data.run,
 }
 
 
