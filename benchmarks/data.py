@@ -1,4 +1,4 @@
-"""How fast training data is made and read: whole models and box scans into shards, volume errors, random reads, beside slow twins.
+"""How fast training data is made and read: models and box scans into shards, volume errors, random reads, beside slow twins.
 
 Everything on one thread, in processor time, which a shared machine changes little; the reads come from files that are in memory.
 """
@@ -22,8 +22,10 @@ from viewgain.gain import ESTIMATORS
 
 MODELS = 12
 """Meshes that are timed of each recipe, spread over its categories."""
-SCANS = 80
+SCANS = 88
 """Box scans that are timed, and half as many for each estimator; spread over boxes and positions."""
+BOXES = 22
+"""Units of work that they are taken from."""
 READS = 20_000
 PAPER_SCANS = 44_000
 
@@ -66,8 +68,8 @@ def _models() -> Iterator[tuple[str, str, str, str]]:
 
 def _scans() -> Iterator[tuple[str, str, str, str]]:
     plan = plan_of(recipe("boxes_paper"))
-    make_shard(replace(task_of(plan, 0), units=_few(plan, 1)))
-    units = _few(plan, SCANS // len(plan.units) + 1)
+    make_shard(replace(task_of(plan, 0), units=_few(plan, 2, 2)))
+    units = _few(plan, BOXES, SCANS // BOXES)
     seconds = _processor(lambda: make_shard(replace(task_of(plan, 0), units=units))) / sum(len(unit.source[1]) for unit in units)
     whole = PAPER_SCANS * seconds / 2 / 60
     rate = f"{1 / seconds:.0f} scans/s"
@@ -76,18 +78,19 @@ def _scans() -> Iterator[tuple[str, str, str, str]]:
 
 def _errors() -> Iterator[tuple[str, str, str, str]]:
     plan = plan_of(recipe("boxes_paper"))
-    units = _few(plan, 1)[:: max(1, 2 * len(plan.units) // SCANS)]
+    units = _few(plan, BOXES, SCANS // BOXES // 2)
     for name in ESTIMATORS:
         task = ErrorTask(shard=replace(task_of(plan, 0), units=units), estimators=(name,))
-        seconds = _processor(lambda task=task: shard_errors(task)) / len(units)
+        seconds = _processor(lambda task=task: shard_errors(task)) / sum(len(unit.source[1]) for unit in units)
         whole = PAPER_SCANS * seconds / 2 / 60
         what = f"boxes_paper: scan and volume error, {name} (44,000 on two cores: {whole:.0f} min)"
         yield what, f"{1e3 * seconds:.0f} ms/scan", f"{1 / seconds:.1f} scans/s", "40 min"
 
 
-def _few(plan: Any, captures: int) -> tuple[Any, ...]:
-    """Return every unit of boxes with only its first scans."""
-    return tuple(replace(unit, source=(unit.source[0], unit.source[1][:captures])) for unit in plan.units)
+def _few(plan: Any, units: int, captures: int) -> tuple[Any, ...]:
+    """Return some units of boxes, spread over boxes and positions, with only their first scans."""
+    chosen = plan.units[:: max(1, len(plan.units) // units)][:units]
+    return tuple(replace(unit, source=(unit.source[0], unit.source[1][:captures])) for unit in chosen)
 
 
 def _reads(folder: Path) -> list[tuple[str, str, str]]:
@@ -96,7 +99,8 @@ def _reads(folder: Path) -> list[tuple[str, str, str]]:
     build(plan_of(replace(small, content=rules)), folder, engine=Here())  # type: ignore[arg-type]
     data = Dataset(folder)
     places = np.random.default_rng(0).integers(len(data), size=READS).tolist()
-    fast = _processor(lambda: [data[place] for place in places])
+    _read(data, places)  # opens the shards
+    fast = _processor(lambda: _read(data, places))
     np.savez(folder / "one.npz", **{name: np.asarray(getattr(data[0], name)) for name in ("points", "candidates", "state")})
     slow = _processor(lambda: [dict(np.load(folder / "one.npz")) for _ in range(READS // 20)]) * 20
     points = f"{data.manifest.points / len(data):,.0f} points a sample"
@@ -104,6 +108,11 @@ def _reads(folder: Path) -> list[tuple[str, str, str]]:
         (f"memory-mapped shards, whole samples, {points}", f"{READS / fast:,.0f}", "20,000"),
         ("one .npz file per sample, three arrays, always the same file", f"{READS / slow:,.0f}", ""),
     ]
+
+
+def _read(data: Dataset, places: Sequence[int]) -> None:
+    for place in places:
+        data[place]
 
 
 def _processor(work: Callable[[], object]) -> float:
