@@ -7,6 +7,7 @@ from benchmarks import (
     accuracy,
     calibration,
     closed_loop,
+    data,
     data_labels,
     enclosing,
     fusion,
@@ -36,6 +37,7 @@ BENCHMARKS = {
     "stacks": stacks.run,
     "not-a-box": not_a_box.run,
     "enclosing": enclosing.run,
+    "data": data.run,
     "data-labels": data_labels.run,
 }
 

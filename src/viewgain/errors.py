@@ -24,6 +24,14 @@ class MeshError(ViewgainError, ValueError):
     """A mesh cannot be read or used: missing, empty, without area, with numbers that are not finite, or too large."""
 
 
+class DataError(ViewgainError, ValueError):
+    """A data set cannot be read or continued: missing, unfinished, damaged, or made by another recipe."""
+
+
+class StorageError(ViewgainError, OSError):
+    """A data set cannot be written: the disk is full, or the folder cannot be written to."""
+
+
 def one_line(error: BaseException) -> str:
     """Return the first line of an exception's text, at most 120 characters; its type where it has none."""
     lines = str(error).strip().splitlines()

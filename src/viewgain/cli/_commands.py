@@ -157,3 +157,76 @@ class Simulate:
     """What to write of each scan; a PNG comes with its camera JSON."""
     workers: int = 1
     """Processes to share the stations; the files are the same whatever the number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DatasetBuild:
+    """Build a data set, or what is missing of it."""
+
+    recipe: tyro.conf.Positional[str]
+    """Name of a shipped recipe (viewgain dataset recipes) or a TOML file (docs/data.md)."""
+    out: Path
+    """Folder of the data set."""
+    meshes: Path | None = None
+    """Folder of meshes by category (docs/meshes.md); default procedural ones."""
+    recordings: Path | None = None
+    """Folder of your own scans, box/position/files, for recipes that read them."""
+    errors: tuple[str, ...] = ()
+    """Then also the volume errors of every scan by these estimators: default, lines_published, lines_mended, ..."""
+    seed: int | None = None
+    """Source of all randomness; default the recipe's."""
+    workers: int = 1
+    """Processes; the files are the same whatever the number."""
+    engine: Literal["local", "ray"] = "local"
+    """Who does the work; the files are the same."""
+    ray_address: str | None = None
+    """Of a running Ray cluster: auto, host:port or ray://host:10001; default Ray is started on this machine."""
+    resume: bool = False
+    """Go on with what is in the folder; damaged shards are made anew."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DatasetRecipes:
+    """List the shipped recipes: what each makes and how long it takes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DatasetInfo:
+    """Say what a data set holds."""
+
+    folder: tyro.conf.Positional[Path]
+    """Folder of the data set."""
+    json: bool = False
+    """One JSON object, one line."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DatasetVerify:
+    """Read every byte of a data set and compare it with what was written."""
+
+    folder: tyro.conf.Positional[Path]
+    """Folder of the data set."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DatasetExport:
+    """Write a folder that the Hugging Face tools load, with a card; nothing is uploaded."""
+
+    folder: tyro.conf.Positional[Path]
+    """Folder of the data set."""
+    out: Path
+    """Folder to write, empty or missing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dataset:
+    """Training data from a recipe: build, list recipes, look, verify, export."""
+
+    action: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[DatasetBuild, tyro.conf.subcommand("build")]
+        | Annotated[DatasetRecipes, tyro.conf.subcommand("recipes")]
+        | Annotated[DatasetInfo, tyro.conf.subcommand("info")]
+        | Annotated[DatasetVerify, tyro.conf.subcommand("verify")]
+        | Annotated[DatasetExport, tyro.conf.subcommand("export-hf")]
+    ]
+    """What to do."""

@@ -1,4 +1,4 @@
-"""Exit codes, and how an expected error is told: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason)."""
+"""Exit codes, and how an expected error is told: 0 done, 2 bad input or usage, 3 nothing there (and why), 4 no writing."""
 
 import sys
 
@@ -6,6 +6,10 @@ BAD_INPUT = 2
 """Bad input or usage."""
 NOTHING_MEASURED = 3
 """No box could be measured, or there is nothing to plan for."""
+DAMAGED = 3
+"""``viewgain dataset verify`` found damaged or missing files."""
+NOT_WRITTEN = 4
+"""A data set cannot be written: the disk is full, or the folder cannot be written to."""
 
 
 def print_error(error: Exception) -> None:

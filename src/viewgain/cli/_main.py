@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from viewgain.cli._commands import Calibrate, Demo, Measure, Next, Simulate
+from viewgain.cli._commands import Calibrate, Dataset, Demo, Measure, Next, Simulate
 from viewgain.cli._exit import BAD_INPUT, print_error
 from viewgain.errors import ViewgainError
 
@@ -14,6 +14,7 @@ _RUNNERS = {
     Next: ("_next", "run_next"),
     Calibrate: ("_calibrate", "run_calibrate"),
     Simulate: ("_simulate", "run_simulate"),
+    Dataset: ("_dataset", "run_dataset"),
     Demo: ("_demo", "run_demo"),
 }
 """Where the work of each command is done; loaded only when it is asked for."""
@@ -23,9 +24,10 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain next scan.ply --rig ring8    where to move the camera, and whether to stop
   viewgain calibrate scan.png --dims .. what a known box says about this very camera
   viewgain simulate --out DIR           scans of a simulated scene, with the truth
+  viewgain dataset build RECIPE         training data, the same bits on one core or a cluster
   viewgain demo                         the whole loop on a simulated scene, with a report
 
-Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason)."""
+Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason), 4 cannot be written."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -39,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         command = tyro.cli(
-            Measure | Next | Calibrate | Simulate | Demo,
+            Measure | Next | Calibrate | Simulate | Dataset | Demo,
             prog="viewgain",
             description=_DESCRIPTION,
             args=arguments or ["--help"],

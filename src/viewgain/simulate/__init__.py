@@ -12,6 +12,7 @@ from viewgain.simulate._receive import draw_range_error as draw_range_error
 from viewgain.simulate._recording import FORMATS as FORMATS
 from viewgain.simulate._recording import Recording as Recording
 from viewgain.simulate._recording import Shot as Shot
+from viewgain.simulate._recording import blocked as blocked
 from viewgain.simulate._recording import record as record
 from viewgain.simulate._recording import single_threads as single_threads
 from viewgain.simulate._recording import truth as truth

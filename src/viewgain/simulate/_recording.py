@@ -191,14 +191,14 @@ def _record_station(recording: Recording, folder: Path, station: int, caster: Sc
     for number in range(recording.captures):
         cameras, rng = station_poses(recording, station, number)
         name = f"view{station:02d}_{number:03d}"
-        reason = refusals(recording.rig, cameras, recording.target)[station] or _blocked(recording.scene, cameras[station, :3, 3])
+        reason = refusals(recording.rig, cameras, recording.target)[station] or blocked(recording.scene, cameras[station, :3, 3])
         if reason is None:
             reason = _shoot(recording, folder / name, caster, cameras[station], rng)
         shots.append(Shot(station, number, None if reason else name, cameras[station].tolist(), reason))
     return shots
 
 
-def _blocked(scene: Scene, eye: Vector3) -> str | None:
+def blocked(scene: Scene, eye: Vector3) -> str | None:
     """Return why no camera can be at a point of the world: within a box, or behind a plane, through which it would see."""
     if any(plane.height(eye) <= 0 for plane in scene.planes):
         return "behind a wall"

@@ -1,0 +1,64 @@
+"""Which meshes a recipe is about: those of a folder, or procedural ones; and how they are divided into parts."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from viewgain.datasets._seeds import SCENE, SPLIT, generator
+from viewgain.datasets._unit import Unit
+from viewgain.errors import ConfigError
+from viewgain.meshes import MeshEntry, MeshFolder, TriangleMesh
+from viewgain.shapes import CATEGORIES, procedural
+
+SPLITS = ("same_category", "other_category")
+"""``same_category``: meshes at random, so that kin of every test mesh train (variants of one shape are common in collections).
+``other_category``: whole categories."""
+
+
+def mesh_units(
+    seed: int, folder: Path | None, *, categories: tuple[str, ...], per_category: int, test_share: float
+) -> Iterator[Unit]:
+    """Yield one unit per mesh, sorted by category and name.
+
+    Raises:
+        MeshError: If the folder is missing or holds no mesh.
+        ConfigError: If there is no such category.
+    """
+    named = list(_from_folder(folder, categories) if folder is not None else _procedural(categories, per_category))
+    rng = generator(seed, (0, SPLIT, 0, 0))
+    kinds = sorted({category for category, _, _ in named})
+    away = set(rng.permutation(np.array(kinds, dtype=object))[: round(test_share * len(kinds))].tolist())
+    aside = rng.random(len(named)) < test_share
+    for number, (category, name, entry) in enumerate(named):
+        splits = {
+            "same_category": "test" if aside[number] else "train",
+            "other_category": "test" if category in away else "train",
+        }
+        yield Unit(number=number, object=number, name=f"{category}/{name}", category=category, splits=splits, source=entry)
+
+
+def mesh_of(unit: Unit, seed: int) -> TriangleMesh:
+    """Return the mesh of a unit: read, or drawn from the unit's own stream.
+
+    Raises:
+        MeshError: If the file cannot be read as a mesh.
+    """
+    if isinstance(unit.source, MeshEntry):
+        return unit.source.load()
+    return procedural(unit.category, rng=generator(seed, (unit.object, SCENE, 0, 0)))
+
+
+def _from_folder(folder: Path, categories: tuple[str, ...]) -> Iterable[tuple[str, str, MeshEntry | None]]:
+    meshes = MeshFolder.open(folder)
+    for entry in meshes.only(categories) if categories else meshes:
+        yield entry.category, entry.name, entry
+
+
+def _procedural(categories: tuple[str, ...], per_category: int) -> Iterable[tuple[str, str, MeshEntry | None]]:
+    unknown = sorted(set(categories) - set(CATEGORIES))
+    if unknown:
+        raise ConfigError(f"got the categories {', '.join(unknown)}, wanted some of {', '.join(sorted(CATEGORIES))}")
+    for category in sorted(categories or CATEGORIES):
+        for number in range(per_category):
+            yield category, f"{number:05d}", None
