@@ -15,8 +15,8 @@ from viewgain.voxels import Paths
 class AreaFactor:
     """f(share of rays on occupied voxels; 0.2) + f(share on occplane voxels; 0.8), f being highest at the share asked for.
 
-    An occplane voxel is an unobserved one with a free neighbour across a face: the border of what is hidden. Each ray counts once,
-    for the first such or occupied voxel that it meets; the shares are of all rays that meet the grid.
+    An occplane voxel is an unobserved one with a free neighbour across a face: the border of what is hidden. Each ray counts
+    once, for the first such or occupied voxel that it meets; the shares are of all rays that meet the grid.
 
     Source:
         Vasquez-Gomez et al. (2014), Volumetric next-best-view planning for 3D object reconstruction with positioning error: the

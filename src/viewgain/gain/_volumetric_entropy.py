@@ -1,4 +1,4 @@
-"""Metrics that add up entropy along the rays: occlusion-aware, unobserved voxel, average entropy. Formulas: docs/volumetric.md."""
+"""Metrics that add up entropy along the rays: occlusion-aware, unobserved voxel, average entropy. docs/volumetric.md."""
 
 from dataclasses import dataclass
 

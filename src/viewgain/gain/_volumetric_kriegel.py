@@ -46,4 +46,4 @@ class Kriegel:
 
 def _of_best(values: Vector) -> Vector:
     """Return (V,) values as shares of the highest; zeros where all are 0."""
-    return values / max(values.max(initial=0.0), np.finfo(float).tiny)
+    return np.asarray(values / max(values.max(initial=0.0), np.finfo(float).tiny))

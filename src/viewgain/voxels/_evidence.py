@@ -64,7 +64,7 @@ def evidence_of_rays(
     Args:
         lattice: The voxels, world frame.
         origin: (3,) the camera's centre, metres, world frame.
-        points: (n, 3) returns, metres, world frame; none may lie at the centre. One outside the lattice frees what lies before it.
+        points: (n, 3) returns, metres, world frame, none at the centre. One outside the lattice frees what lies before it.
         empty: (m, 3) directions of rays that met nothing, world frame, any length; None for none.
         backend: Who marches.
     """

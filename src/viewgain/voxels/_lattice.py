@@ -27,7 +27,7 @@ class Lattice:
         low = np.asarray(self.low, dtype=float)
         if low.shape != (3,) or not np.all(np.isfinite(low)):
             raise ConfigError(f"lattice: got the corner {self.low}, wanted three finite numbers")
-        if not (np.isfinite(self.size) and self.size > 0) or len(self.shape) != 3 or min(self.shape) < 1:
+        if not (np.isfinite(self.size) and self.size > 0) or min(self.shape) < 1:
             raise ConfigError(f"lattice: got voxels of {self.size} m, {self.shape} of them; wanted a positive size and counts")
         if prod(self.shape) > MOST_VOXELS:
             raise ConfigError(f"lattice: got {self.shape} voxels, wanted at most {MOST_VOXELS:,} in all; make them larger")

@@ -10,7 +10,7 @@ from typing import Annotated, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from viewgain.arrays import Mask, Points, Vector, Vector3
+from viewgain.arrays import Array, Indices, Mask, Points, Vector, Vector3
 from viewgain.voxels._compiled import march_compiled
 from viewgain.voxels._lattice import Lattice
 
@@ -73,40 +73,42 @@ def _march_plain(lattice: Lattice, origin: Vector3, directions: Points, reach: f
     """Return what :func:`march` does, step by step for all rays together; rays that have ended are dropped on the way."""
     paths = np.full((sum(lattice.shape), len(directions)), lattice.count, dtype=np.int32)
     rays = np.flatnonzero(np.isfinite(enters))
-    d = directions[rays].T
-    cells = _first_cells(lattice, origin, d, enters[rays])
-    ups = [(d[axis] > 0).astype(np.int64) for axis in range(3)]
-    nexts = [_crossing(lattice, origin, axis, cells[axis] + ups[axis], d[axis]) for axis in range(3)]
-    d, strides = [d[0], d[1], d[2]], (lattice.shape[1] * lattice.shape[2], lattice.shape[2], 1)
+    along = directions[rays].T
+    cells, up = _first_cells(lattice, origin, along, enters[rays]), (along > 0).astype(np.int64)
+    following = np.stack([_crossing(lattice, origin, axis, cells[axis] + up[axis], along[axis]) for axis in range(3)])
+    strides = (lattice.shape[1] * lattice.shape[2], lattice.shape[2], 1)
     flat = cells[0] * strides[0] + cells[1] * strides[1] + cells[2]
     step = 0
     while rays.size:
         paths[step, rays] = flat
         step += 1
-        along_x = (nexts[0] <= nexts[1]) & (nexts[0] <= nexts[2])
-        along_y = ~along_x & (nexts[1] <= nexts[2])
         goes_on = ~stops[flat]
-        for axis, moves in enumerate((along_x, along_y, ~(along_x | along_y))):
-            moved = np.flatnonzero(moves)
-            forward = 2 * ups[axis][moved] - 1
-            cell = cells[axis][moved] + forward
-            goes_on[moved] &= (cell >= 0) & (cell < lattice.shape[axis]) & (nexts[axis][moved] < reach)
-            cells[axis][moved] = cell
+        for axis, moved in enumerate(_next_axes(following)):
+            forward = 2 * up[axis, moved] - 1
+            cell = cells[axis, moved] + forward
+            goes_on[moved] &= (cell >= 0) & (cell < lattice.shape[axis]) & (following[axis, moved] < reach)
+            cells[axis, moved] = cell
             flat[moved] += forward * strides[axis]
-            nexts[axis][moved] = _crossing(lattice, origin, axis, cell + ups[axis][moved], d[axis][moved])
+            following[axis, moved] = _crossing(lattice, origin, axis, cell + up[axis, moved], along[axis, moved])
         kept = np.flatnonzero(goes_on)
-        rays, flat = rays[kept], flat[kept]
-        cells, ups, nexts, d = ([part[kept] for part in parts] for parts in (cells, ups, nexts, d))
+        rays, flat, cells, up = rays[kept], flat[kept], cells[:, kept], up[:, kept]
+        following, along = following[:, kept], along[:, kept]
     return paths[:step]
 
 
-def _first_cells(lattice: Lattice, origin: Vector3, directions: Points, enters: Vector) -> list[NDArray[np.int64]]:
-    """Return three (n,) indices of the voxels in which rays, (3, n), enter."""
-    cells = []
-    for axis in range(3):
-        place = np.floor((origin[axis] + enters * directions[axis] - lattice.low[axis]) / lattice.size)
-        cells.append(np.clip(place, 0, lattice.shape[axis] - 1).astype(np.int64))
-    return cells
+def _next_axes(following: Array) -> tuple[Indices, Indices, Indices]:
+    """Return the places of the rays that cross a face of x, of y and of z next; ``following`` are the (3, n) lengths to those."""
+    x, y, z = following
+    along_x = (x <= y) & (x <= z)
+    along_y = ~along_x & (y <= z)
+    return np.flatnonzero(along_x), np.flatnonzero(along_y), np.flatnonzero(~(along_x | along_y))
+
+
+def _first_cells(lattice: Lattice, origin: Vector3, directions: Array, enters: Vector) -> NDArray[np.int64]:
+    """Return (3, n) indices of the voxels in which rays with (3, n) directions enter."""
+    most = np.array(lattice.shape)[:, None] - 1
+    place = np.floor((origin[:, None] + enters * directions - lattice.low[:, None]) / lattice.size)
+    return np.clip(place, 0, most).astype(np.int64)
 
 
 def _crossing(lattice: Lattice, origin: Vector3, axis: int, face: NDArray[np.int64], along: Vector) -> Vector:

@@ -1,0 +1,146 @@
+"""Coverage gain of every view at every greedy step, by the exact published rule and by plain set union.
+
+The published rule (Zeng et al. 2020, PC-NBV's public scripts). A view contributes only its new points: those not near any point
+accumulated so far. Its gain is the share of surface samples near a new point, whether or not they were covered before; the best
+view's new points are accumulated, and its gain is added to the coverage. So a sample on the rim of what is known is counted twice.
+By union, a view's gain is the share of samples that it covers and no chosen view does.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from viewgain.arrays import Array, Indices, Points
+from viewgain.errors import ConfigError
+from viewgain.gain._bits import Counts, size
+from viewgain.gain._cover import Cover, cover
+from viewgain.gain._greedy import require_start
+from viewgain.gain._near import near_any
+from viewgain.gain._protocol import CoverageProtocol
+
+Rule: TypeAlias = Literal["published", "union"]
+"""By which gain the next view is chosen."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoverageLabels:
+    """Gains of V views along one greedy sequence. Gains and coverages are shares of the surface samples."""
+
+    first: int
+    """The view that is there from the start."""
+    order: Indices
+    """(steps,) the view chosen at each step, the one with the highest gain by the rule; of equal ones the lowest."""
+    gains_published: Array
+    """(steps, V) gain of every view before each choice, by the published rule; 0 for a view that was chosen."""
+    gains_union: Array
+    """(steps, V) gain of every view before each choice, by set union; 0 for a view that was chosen."""
+    coverage_published: Array
+    """(steps + 1,) of the first view and after each step, gains added up; may exceed 1."""
+    coverage_union: Array
+    """(steps + 1,) of the first view and after each step: what is covered, counted once."""
+
+    def gains(self, rule: Rule) -> Array:
+        """Return the (steps, V) gains by a rule."""
+        return self.gains_published if rule == "published" else self.gains_union
+
+
+class NewPoints:
+    """Which scan points are still new, and how many of them are near each surface sample, as views are accumulated."""
+
+    def __init__(self, covered: Cover) -> None:
+        """Start with nothing accumulated: every point of every view is new."""
+        self._cover = covered
+        self._views = covered.view_of_point
+        self._new = np.ones(len(covered.points), dtype=bool)
+        self._counts = self._pairs_per_sample(np.arange(len(covered.points)))
+
+    @property
+    def gains(self) -> Counts:
+        """(V,) number of surface samples near a new point of each view."""
+        return np.asarray(np.count_nonzero(self._counts, axis=1))
+
+    def accumulate(self, view: int) -> None:
+        """Accumulate the new points of a view: they, and all points near them, are no longer new."""
+        whole = self._cover
+        remaining = np.flatnonzero(self._new)
+        added = whole.points[remaining[self._views[remaining] == view]]
+        known = remaining[near_any(whole.points, remaining, added, whole.reach, search=whole.search)]
+        self._new[known] = False
+        self._counts -= self._pairs_per_sample(known)
+
+    def _pairs_per_sample(self, points: Indices) -> Counts:
+        """Return the (V, m) number of near pairs between some points of each view and each sample."""
+        whole = self._cover
+        each = whole.pairs.starts[points + 1] - whole.pairs.starts[points]
+        slots = np.repeat(self._views[points].astype(np.int64) * whole.surface_count, each) + whole.pairs.of(points)
+        return np.bincount(slots, minlength=whole.views * whole.surface_count).reshape(whole.views, -1)
+
+
+def greedy_labels(covered: Cover, *, first: int, steps: int, rule: Rule = "published") -> CoverageLabels:
+    """Return the gains of every view at every step of one greedy sequence, by both rules.
+
+    Args:
+        covered: What the views cover, of :func:`cover`; made once, it serves every first view.
+        first: The view that is there from the start.
+        steps: How many views follow, >= 1.
+        rule: By which gain the next view is chosen.
+
+    Raises:
+        ConfigError: If there is no such first view, no step, or no such rule.
+
+    Source:
+        Zeng et al. (2020), public scripts. Differs in nothing but the precision: theirs is float32. (Where no view adds anything
+        they accumulate the origin, which adds nothing either.)
+    """
+    require_start(first, steps, covered.views)
+    if rule not in ("published", "union"):
+        raise ConfigError(f"coverage rule: got {rule!r}, wanted 'published' or 'union'")
+    fresh, known = NewPoints(covered), np.zeros_like(covered.masks[first])
+    order, published, union = [first], [fresh.gains], [size(covered.masks)]
+    for _ in range(steps):
+        fresh.accumulate(order[-1])
+        known |= covered.masks[order[-1]]
+        published.append(fresh.gains)
+        union.append(size(covered.masks & ~known))
+        order.append(int(np.argmax(published[-1] if rule == "published" else union[-1])))
+    # Row k of either: what each view adds to the k views before it. Counted in samples, so that sums are exact.
+    gains = np.array([published, union])
+    coverage = np.cumsum(gains[:, np.arange(steps + 1), order], axis=1) / covered.surface_count
+    shares = gains[:, 1:] / covered.surface_count
+    return CoverageLabels(first, np.array(order[1:], dtype=np.intp), shares[0], shares[1], coverage[0], coverage[1])
+
+
+def coverage_labels(
+    clouds: Sequence[Points], surface: Points, protocol: CoverageProtocol, first: int, *, rule: Rule = "published"
+) -> CoverageLabels:
+    """Return the labels of a model from one first view: :func:`cover`, then :func:`greedy_labels`; raises as they do.
+
+    Args:
+        clouds: One (n, 3) cloud per view of the protocol, as of :func:`viewgain.gain.model_clouds`.
+        surface: (m, 3) samples of the same normalised mesh.
+        protocol: Reach and number of steps.
+        first: The view that is there from the start.
+        rule: By which gain the next view is chosen.
+    """
+    return greedy_labels(cover(clouds, surface, protocol.reach), first=first, steps=protocol.steps, rule=rule)
+
+
+def coverage_auc(coverage_by_step: Array) -> float:
+    """Return the area under coverage against number of views, from 0 views on, per view: (c1 + ... + c(n-1) + cn / 2) / n.
+
+    Args:
+        coverage_by_step: (n,) coverage with 1, 2, ... n views, n >= 1. PC-NBV's figure takes the first ten:
+            ``coverage_auc(labels.coverage_union[:10])``.
+
+    Raises:
+        ConfigError: If it is empty.
+
+    Source:
+        The evaluation script of the public PyTorch port of PC-NBV; the trapezoidal rule.
+    """
+    coverage = np.asarray(coverage_by_step, dtype=float)
+    if coverage.ndim != 1 or not len(coverage):
+        raise ConfigError(f"coverage AUC: got an array of shape {coverage.shape}, wanted (n,) with n >= 1")
+    return float((coverage.sum() - coverage[-1] / 2) / len(coverage))
