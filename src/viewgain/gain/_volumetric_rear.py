@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Mask, Vector
-from viewgain.gain._volumetric import GridKnown, seen_entropy
+from viewgain.arrays import Mask, Vector
+from viewgain.gain._volumetric import GridKnown, ends, seen_entropy
 from viewgain.voxels import Paths
 
 
@@ -21,7 +21,7 @@ class RearSideVoxel:
 
     def gains(self, known: GridKnown) -> Vector:
         """Return (V,) numbers of rays; 0 for a view that looks past the grid."""
-        return np.array([float(np.count_nonzero(rear_sides(known, paths)[0])) for paths in known.paths])
+        return np.array([float(np.count_nonzero(meets_rear(known, paths))) for paths in known.paths])
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,18 +36,20 @@ class RearSideEntropy:
 
     def gains(self, known: GridKnown) -> Vector:
         """Return (V,) gains, nats; 0 for a view that looks past the grid."""
-        return np.array([float(rear_sides(known, paths)[1].sum()) for paths in known.paths])
+        return np.array([rear_entropy(known, paths[:, meets_rear(known, paths)]) for paths in known.paths])
 
 
-def rear_sides(known: GridKnown, paths: Paths) -> tuple[Mask, Array]:
-    """Return (rays,) whether each ray ends at a rear side, and (rays,) its v(x) H(x) there, 0 where it does not."""
-    information = seen_entropy(known, paths)
-    rear, total = np.zeros(paths.shape[1], dtype=bool), np.zeros(paths.shape[1])
-    before, row = rear.copy(), total.copy()  # was the last voxel unobserved, and the sum over the row that it ends
-    for voxels, seen in zip(paths, information, strict=True):
-        found = before & known.occupied[voxels]
-        rear |= found
-        total[found] = row[found] + seen[found]
-        before = known.unobserved[voxels]
-        row = np.where(before, row + seen, 0.0)
-    return rear, total
+def meets_rear(known: GridKnown, paths: Paths) -> Mask:
+    """Return (rays,) whether each ray ends on an occupied voxel and the voxel before it is unobserved."""
+    lengths = np.count_nonzero(paths != known.grid.lattice.count, axis=0)
+    before = paths[np.maximum(lengths - 2, 0), np.arange(paths.shape[1])]
+    return np.asarray((lengths > 1) & known.occupied[ends(known, paths)] & known.unobserved[before])
+
+
+def rear_entropy(known: GridKnown, paths: Paths) -> float:
+    """Return the sum, over rays that meet a rear side, of v(x) H(x) there: of the last voxel and of the row before it."""
+    total = row = np.zeros(paths.shape[1])  # row: the sum over the unbroken row of unobserved voxels so far
+    for voxels, seen in zip(paths, seen_entropy(known, paths), strict=True):
+        total = np.where(known.occupied[voxels], row + seen, total)
+        row = np.where(known.unobserved[voxels], row + seen, 0.0)
+    return float(total.sum())

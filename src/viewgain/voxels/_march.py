@@ -16,7 +16,7 @@ from viewgain.voxels._lattice import Lattice
 
 Paths: TypeAlias = Annotated[NDArray[np.int32], "(steps, n) flat voxel indices"]
 Backend: TypeAlias = Literal["auto", "numpy", "numba"]
-"""Who marches; "auto" is numba where it is installed, five times as fast, and else numpy."""
+"""Who marches; "auto" is numba where it is installed, many times as fast, and else numpy."""
 
 
 def march(
