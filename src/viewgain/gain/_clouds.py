@@ -65,7 +65,7 @@ def _cloud(mesh: TriangleMesh, camera: Intrinsics, camera_to_world: Pose) -> Poi
     try:
         depth, _ = zbuffer(transform(inverse(camera_to_world), mesh.vertices), mesh.faces, camera)
     except MissingExtraError:
-        hits = SceneCaster(Scene(meshes=(mesh,))).pixels(camera, camera_to_world)
+        hits = SceneCaster(Scene(meshes=(mesh,), planes=())).pixels(camera, camera_to_world)
         met = np.isfinite(hits.ranges)
         return transform(camera_to_world, as_rows(pixel_rays(camera))[met] * hits.ranges[met, None])
     rows, columns = np.nonzero(np.isfinite(depth))

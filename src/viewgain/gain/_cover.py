@@ -8,7 +8,9 @@ import numpy as np
 from viewgain.arrays import Ids, Mask, Points, Vector
 from viewgain.errors import ConfigError, ScanError
 from viewgain.gain._bits import Bits, packed, size, unpacked
-from viewgain.gain._near import Pairs, Search, Starts, near_pairs
+from viewgain.gain._compiled import Search
+from viewgain.gain._near import near_pairs
+from viewgain.gain._pairs import Pairs, Starts, Tally, tally
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,10 +23,10 @@ class Cover:
     """(V + 1,) where each view's points start."""
     pairs: Pairs
     """For each point, the surface samples it covers."""
+    counts: Tally
+    """(V, m) how many points of each view cover each sample."""
     masks: Bits
     """(V, w) the surface samples that each view covers, bit-packed (:func:`viewgain.gain.unpacked`)."""
-    surface_count: int
-    """Number of surface samples, m."""
     reach: float
     """Points nearer than this cover a sample."""
     search: Search
@@ -36,9 +38,14 @@ class Cover:
         return len(self.masks)
 
     @property
+    def surface_count(self) -> int:
+        """Number of surface samples, m."""
+        return int(self.counts.shape[1])
+
+    @property
     def view_of_point(self) -> Ids:
         """(n,) the view that each point belongs to."""
-        return np.repeat(np.arange(self.views, dtype=np.int32), np.diff(self.view_starts))
+        return _view_of_point(self.view_starts)
 
     @property
     def coverage(self) -> Vector:
@@ -77,7 +84,10 @@ def cover(clouds: Sequence[Points], surface: Points, reach: float, *, search: Se
     points = np.ascontiguousarray(np.concatenate(clouds), dtype=float)
     starts = np.concatenate([[0], np.cumsum([len(cloud) for cloud in clouds])]).astype(np.int64)
     pairs = near_pairs(points, np.ascontiguousarray(surface, dtype=float), reach, search=search)
-    covered = np.zeros((len(clouds), len(surface)), dtype=bool)
-    for view, (start, end) in enumerate(zip(pairs.starts[starts[:-1]], pairs.starts[starts[1:]], strict=True)):
-        covered[view, pairs.ids[start:end]] = True
-    return Cover(points, starts, pairs, packed(covered), len(surface), reach, search)
+    counts = np.zeros((len(clouds), len(surface)), dtype=np.int32)
+    tally(counts, pairs, np.arange(len(points)), _view_of_point(starts), 1, search=search)
+    return Cover(points, starts, pairs, counts, packed(counts > 0), reach, search)
+
+
+def _view_of_point(view_starts: Starts) -> Ids:
+    return np.repeat(np.arange(len(view_starts) - 1, dtype=np.int32), np.diff(view_starts))

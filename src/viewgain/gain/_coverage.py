@@ -2,7 +2,7 @@
 
 The published rule (Zeng et al. 2020, PC-NBV's public scripts). A view contributes only its new points: those not near any point
 accumulated so far. Its gain is the share of surface samples near a new point, whether or not they were covered before; the best
-view's new points are accumulated, and its gain is added to the coverage. So a sample on the rim of what is known is counted twice.
+view's new points are accumulated, and its gain is added to the coverage, so a sample on the rim of what is known counts twice.
 By union, a view's gain is the share of samples that it covers and no chosen view does.
 """
 
@@ -18,6 +18,7 @@ from viewgain.gain._bits import Counts, size
 from viewgain.gain._cover import Cover, cover
 from viewgain.gain._greedy import require_start
 from viewgain.gain._near import near_any
+from viewgain.gain._pairs import tally
 from viewgain.gain._protocol import CoverageProtocol
 
 Rule: TypeAlias = Literal["published", "union"]
@@ -54,7 +55,7 @@ class NewPoints:
         self._cover = covered
         self._views = covered.view_of_point
         self._new = np.ones(len(covered.points), dtype=bool)
-        self._counts = self._pairs_per_sample(np.arange(len(covered.points)))
+        self._counts = covered.counts.copy()
 
     @property
     def gains(self) -> Counts:
@@ -68,14 +69,7 @@ class NewPoints:
         added = whole.points[remaining[self._views[remaining] == view]]
         known = remaining[near_any(whole.points, remaining, added, whole.reach, search=whole.search)]
         self._new[known] = False
-        self._counts -= self._pairs_per_sample(known)
-
-    def _pairs_per_sample(self, points: Indices) -> Counts:
-        """Return the (V, m) number of near pairs between some points of each view and each sample."""
-        whole = self._cover
-        each = whole.pairs.starts[points + 1] - whole.pairs.starts[points]
-        slots = np.repeat(self._views[points].astype(np.int64) * whole.surface_count, each) + whole.pairs.of(points)
-        return np.bincount(slots, minlength=whole.views * whole.surface_count).reshape(whole.views, -1)
+        tally(self._counts, whole.pairs, known, self._views, -1, search=whole.search)
 
 
 def greedy_labels(covered: Cover, *, first: int, steps: int, rule: Rule = "published") -> CoverageLabels:

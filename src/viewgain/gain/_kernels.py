@@ -1,33 +1,43 @@
-"""The two searches in a grid, written for numba: numbers and loops only. Both look into nine rows of three cubes around a point."""
+"""What is slow in Python, written for numba: numbers and loops only. The two searches look into nine rows of three cubes."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from viewgain.arrays import Ids, Indices, Mask, Points, Vector
-from viewgain.gain._bits import Counts
 
 
 def find_pairs(
     queries: Points, low: Vector, side: float, shape: Ids, starts: Ids, points: Points, ids: Ids, squared: float
-) -> tuple[Counts, Ids]:
-    """Return all near points of each query, see :class:`viewgain.gain._near.Pairs`; a grid's parts, and the reach squared."""
-    first, found, total = np.zeros(len(queries) + 1, np.int64), np.empty(4 * len(queries) + 16, np.int32), 0
+) -> tuple[NDArray[np.int64], Ids]:
+    """Return all near points of each query, see :class:`viewgain.gain._pairs.Pairs`; a grid's parts, and the reach squared.
+
+    Neighbours in an image mostly share their cube, so what lies around it is gathered once for all that follow each other.
+    """
+    first, found, total = np.zeros(len(queries) + 1, np.int64), np.empty(3 * len(queries) + 16, np.int32), 0
+    around, names, count = np.empty((len(points), 3)), np.empty(len(points), np.int32), 0
+    column, row, level = np.nan, np.nan, np.nan
     for i in range(len(queries)):
         x, y, z = queries[i, 0], queries[i, 1], queries[i, 2]
         u, v, w = np.floor((x - low[0]) / side), np.floor((y - low[1]) / side), np.floor((z - low[2]) / side)
-        if -1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]:
-            left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
-            for level in range(max(int(w) - 1, 0), min(int(w) + 2, shape[2])):
-                for row in range(max(int(v) - 1, 0), min(int(v) + 2, shape[1])):
-                    cell = (level * shape[1] + row) * shape[0]
-                    for k in range(starts[cell + left], starts[cell + right]):
-                        dx, dy, dz = x - points[k, 0], y - points[k, 1], z - points[k, 2]
-                        if dx * dx + dy * dy + dz * dz < squared:
-                            if total == len(found):
-                                longer = np.empty(2 * len(found), np.int32)
-                                longer[:total] = found
-                                found = longer
-                            found[total] = ids[k]
-                            total += 1
+        if u != column or v != row or w != level:
+            column, row, level, count = u, v, w, 0
+            if -1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]:
+                left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
+                for c in range(max(int(w) - 1, 0), min(int(w) + 2, shape[2])):
+                    for b in range(max(int(v) - 1, 0), min(int(v) + 2, shape[1])):
+                        cube = (c * shape[1] + b) * shape[0]
+                        for k in range(starts[cube + left], starts[cube + right]):
+                            around[count, 0], around[count, 1], around[count, 2] = points[k, 0], points[k, 1], points[k, 2]
+                            names[count] = ids[k]
+                            count += 1
+        if total + count > len(found):
+            longer = np.empty(2 * len(found) + count, np.int32)
+            longer[:total] = found[:total]
+            found = longer
+        for k in range(count):
+            dx, dy, dz = x - around[k, 0], y - around[k, 1], z - around[k, 2]
+            found[total] = names[k]  # kept only if the count goes on: a branch that no processor can guess costs more
+            total += dx * dx + dy * dy + dz * dz < squared
         first[i + 1] = total
     return first, found[:total].copy()
 
@@ -43,23 +53,35 @@ def find_touched(
     ids: Ids,
     squared: float,
 ) -> Mask:
-    """Return which of the ``chosen`` queries have a near point; otherwise as :func:`find_pairs`."""
-    touched = np.zeros(len(chosen), np.bool_)
+    """Return which of the ``chosen`` queries have a near point; otherwise as :func:`find_pairs`.
+
+    What was near one query is tried first on the next, its neighbour in an image; then the middle row of cubes.
+    """
+    touched, last = np.zeros(len(chosen), np.bool_), 0
     for i in range(len(chosen)):
         x, y, z = queries[chosen[i], 0], queries[chosen[i], 1], queries[chosen[i], 2]
+        dx, dy, dz = x - points[last, 0], y - points[last, 1], z - points[last, 2]
+        touched[i] = dx * dx + dy * dy + dz * dz < squared
         u, v, w = np.floor((x - low[0]) / side), np.floor((y - low[1]) / side), np.floor((z - low[2]) / side)
-        if -1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]:
-            left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
-            for level in range(max(int(w) - 1, 0), min(int(w) + 2, shape[2])):
-                for row in range(max(int(v) - 1, 0), min(int(v) + 2, shape[1])):
-                    cell = (level * shape[1] + row) * shape[0]
-                    for k in range(starts[cell + left], starts[cell + right]):
-                        dx, dy, dz = x - points[k, 0], y - points[k, 1], z - points[k, 2]
-                        if dx * dx + dy * dy + dz * dz < squared:
-                            touched[i] = True
-                            break
-                    if touched[i]:
-                        break
-                if touched[i]:
+        if touched[i] or not (-1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]):
+            continue
+        left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
+        for n in range(9):
+            b, c = int(v) + (n + 1) % 3 - 1, int(w) + (n // 3 + 1) % 3 - 1
+            if touched[i] or not (0 <= b < shape[1] and 0 <= c < shape[2]):
+                continue
+            cube = (c * shape[1] + b) * shape[0]
+            for k in range(starts[cube + left], starts[cube + right]):
+                dx, dy, dz = x - points[k, 0], y - points[k, 1], z - points[k, 2]
+                if dx * dx + dy * dy + dz * dz < squared:
+                    touched[i], last = True, k
                     break
     return touched
+
+
+def add_pairs(counts: NDArray[np.int32], starts: NDArray[np.int64], ids: Ids, chosen: Indices, views: Ids, sign: int) -> None:
+    """Add ``sign`` to (V, m) ``counts`` for every neighbour of the ``chosen`` points, in place."""
+    for i in range(len(chosen)):
+        view = views[chosen[i]]
+        for k in range(starts[chosen[i]], starts[chosen[i] + 1]):
+            counts[view, ids[k]] += sign

@@ -1,7 +1,7 @@
 """Every volumetric metric as a policy: scans go into a voxel grid, the metric scores the candidates on it."""
 
 from viewgain.arrays import Vector
-from viewgain.gain import GridKnown, Volumetric
+from viewgain.gain import GridKnown, Objective
 from viewgain.plan._views import Seen
 from viewgain.scans import Scan
 from viewgain.voxels import OCTOMAP, Backend, Evidence, Lattice, OccupancyModel, VoxelGrid, coarser, evidence
@@ -69,7 +69,7 @@ class Mapper:
 class VolumetricPolicy:
     """Scores candidates by a volumetric metric."""
 
-    def __init__(self, metric: Volumetric, mapper: Mapper) -> None:
+    def __init__(self, metric: Objective[GridKnown], mapper: Mapper) -> None:
         """Take a metric, e.g. one of :data:`viewgain.gain.VOLUMETRIC`, and who fills the grid for it."""
         self.metric = metric
         self.mapper = mapper
