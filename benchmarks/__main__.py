@@ -7,6 +7,7 @@ from benchmarks import (
     accuracy,
     calibration,
     closed_loop,
+    coverage_policies,
     enclosing,
     fusion,
     lines,
@@ -25,6 +26,7 @@ BENCHMARKS = {
     "accuracy": accuracy.run,
     "lines": lines.run,
     "closed-loop": closed_loop.run,
+    "coverage-policies": coverage_policies.run,
     "fusion": fusion.run,
     "real": real.run,
     "calibration": calibration.run,
@@ -46,7 +48,7 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504) and enclosing (500)",
+        " (504) and enclosing (500); objects of coverage-policies (50)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"

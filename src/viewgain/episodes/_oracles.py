@@ -8,24 +8,24 @@ from viewgain.arrays import Pose, Vector
 from viewgain.episodes._coverage import CoverageWorld
 from viewgain.episodes._episode import World, volume_error
 from viewgain.errors import ScanError
-from viewgain.gain import size
+from viewgain.gain import CoverageGain, Rule, TakenViews
 from viewgain.measure import Measurement, fuse_measurements, measure
 from viewgain.plan import Seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoverageOracle:
-    """Takes the view that covers the most samples not covered yet, by set union."""
+    """Takes the view that covers the most samples not covered yet."""
 
     world: CoverageWorld
     """The world it is asked about; candidates are its views, in its order."""
+    rule: Rule = "union"
+    """How what a view adds is counted."""
     name: str = "oracle"
 
     def scores(self, seen: Seen) -> Vector:
-        """Return (V,) numbers of surface samples that each view adds."""
-        masks = self.world.covered.masks
-        known = np.bitwise_or.reduce(masks[list(seen.visited)], axis=0)
-        return size(masks & ~known).astype(float)
+        """Return (V,) shares of the surface that each view adds."""
+        return CoverageGain(self.rule).gains(TakenViews(self.world.covered, seen.visited))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
