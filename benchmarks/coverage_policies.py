@@ -19,7 +19,7 @@ from viewgain.voxels import CERTAIN, Lattice
 
 Array = NDArray[np.float64]
 
-OBJECTS = 50
+OBJECTS = 30
 VIEWS = 10
 SEED = 5000
 """Of the choice of objects and first views. While this was built, objects of seeds under 100 were looked at, procedural alone."""
@@ -43,9 +43,9 @@ def run(options: argparse.Namespace) -> None:
     folder = data_folder()
     print(f"## Coverage episodes: {PCNBV.rig}, {VIEWS} views, {count} objects ({_source(folder is not None)})\n")
     print(
-        f"Union coverage of {PCNBV.surface_points:,} surface samples at a reach of {PCNBV.reach:.5f}; the same first view for all;"
-        f" {CELLS}^3 voxels in the unit cube; AUC of one object is its mean coverage over 0 to {VIEWS} views. Intervals: bootstrap"
-        f" over objects, 95 %, paired where two policies are compared. Random: {RANDOM_EPISODES} episodes per object.\n"
+        f"Union coverage of {PCNBV.surface_points:,} surface samples at a reach of {PCNBV.reach:.5f}, the same first view for all."
+        f" {CELLS}^3 voxels in the unit cube. AUC: area under coverage by views, 0 to {VIEWS}, per view. Intervals: 95 % bootstrap"
+        f" over objects, paired where two policies are compared. Random: {RANDOM_EPISODES} episodes per object.\n"
     )
     print(table(coverage))
 

@@ -46,7 +46,7 @@ class GridKnown:
         every = (
             march(lattice, pose[:3, 3], directions @ pose[:3, :3].T, stop=stop, backend=self.backend) for pose in self.candidates
         )
-        return tuple(np.ascontiguousarray(paths[:, np.any(paths != lattice.count, axis=0)]) for paths in every)
+        return tuple(np.ascontiguousarray(paths[:, np.any(paths[:1] != lattice.count, axis=0)]) for paths in every)
 
     @cached_property
     def entropy(self) -> Vector:

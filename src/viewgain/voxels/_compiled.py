@@ -23,10 +23,10 @@ def march_compiled(
     Raises:
         MissingExtraError: If numba is not installed.
     """
-    paths = np.full((sum(lattice.shape), len(directions)), lattice.count, dtype=np.int32)
+    paths = np.full((len(directions), sum(lattice.shape)), lattice.count, dtype=np.int32)  # ray by ray, as it is written
     shape = np.array(lattice.shape, dtype=np.int64)
     steps = _compiled_walk()(lattice.low, lattice.size, shape, origin, directions, float(reach), stops, enters, paths)
-    return paths[:steps]
+    return np.ascontiguousarray(paths[:, :steps].T)
 
 
 @cache
@@ -54,7 +54,7 @@ def _walk(
     enters: Vector,
     paths: NDArray[np.int32],
 ) -> int:
-    """Write the paths of rays into (steps, n) ``paths`` and return the number of steps of the longest.
+    """Write the paths of rays into (n, steps) ``paths`` and return the number of steps of the longest.
 
     Written for numba: numbers and loops only. Every sum is in the order of the plain way, so both round alike.
     """
@@ -74,7 +74,7 @@ def _walk(
             flat += cell[axis] * strides[axis]
         step = 0
         while True:
-            paths[step, ray] = flat
+            paths[ray, step] = flat
             step += 1
             if stops[flat]:
                 break
