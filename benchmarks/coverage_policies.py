@@ -43,9 +43,9 @@ def run(options: argparse.Namespace) -> None:
     folder = data_folder()
     print(f"## Coverage episodes: {PCNBV.rig}, {VIEWS} views, {count} objects ({_source(folder is not None)})\n")
     print(
-        f"Union coverage of {PCNBV.surface_points:,} surface samples at a reach of {PCNBV.reach:.5f}, the same first view for all."
-        f" {CELLS}^3 voxels in the unit cube. AUC: area under coverage by views, 0 to {VIEWS}, per view. Intervals: 95 % bootstrap"
-        f" over objects, paired where two policies are compared. Random: {RANDOM_EPISODES} episodes per object.\n"
+        f"Union coverage of {PCNBV.surface_points:,} surface samples at a reach of {PCNBV.reach:.5f}, the same first view for"
+        f" all. {CELLS}^3 voxels in the unit cube. AUC: area under coverage by views, 0 to {VIEWS}, per view. Intervals: 95 %"
+        f" bootstrap over objects, paired where two policies are compared. Random: {RANDOM_EPISODES} episodes per object.\n"
     )
     print(table(coverage))
 
