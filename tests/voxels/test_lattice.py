@@ -5,7 +5,7 @@ import pytest
 
 from viewgain.camera import Intrinsics
 from viewgain.errors import ConfigError
-from viewgain.voxels import Lattice, coarser
+from viewgain.voxels import Lattice, coarser, pixels_per_voxel
 
 SMALL = Lattice(np.array([1.0, 2.0, 3.0]), 0.5, (2, 3, 4))
 
@@ -63,5 +63,15 @@ def test_a_coarser_camera_sees_the_same_directions() -> None:
     blocks = camera.rays().reshape(48, 10, 64, 10, 2).mean(axis=(1, 3))
     np.testing.assert_allclose(few.rays(), blocks, atol=1e-12)
     assert coarser(camera, 1) == camera
-    with pytest.raises(ConfigError):
-        coarser(camera, 481)
+    for step in (481, 0):
+        with pytest.raises(ConfigError):
+            coarser(camera, step)
+
+
+def test_how_many_pixels_a_voxel_fills() -> None:
+    """PC-NBV's camera at distance 1, 40 voxels along a side: 476 / 40 = 11.9."""
+    camera = Intrinsics(width=640, height=480, fx=476.0, fy=476.0, cx=319.5, cy=239.5)
+    cube = Lattice(np.full(3, -0.5), 1 / 40, (40, 40, 40))
+    for centre, pixels in (([1.0, 0, 0], 12), ([0, 0, -2.0], 6), ([0, 100.0, 0], 1), ([0, 0, 0], 476)):
+        assert pixels_per_voxel(cube, camera, np.array(centre)) == pixels
+    assert pixels_per_voxel(cube, coarser(camera, 100), np.zeros(3)) == 4

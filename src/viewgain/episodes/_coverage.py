@@ -90,7 +90,7 @@ class CoverageEpisode:
 
     @property
     def published(self) -> Vector:
-        """(n,) coverage by PC-NBV's published rule, which counts some samples twice: docs/data.md."""
+        """(n,) coverage by PC-NBV's published rule, which counts some samples twice (:class:`viewgain.gain.CoverageGain`)."""
         fresh, gained = NewPoints(self.covered), []
         for view in self.order:
             gained.append(fresh.gains[view])

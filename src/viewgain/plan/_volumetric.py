@@ -4,13 +4,13 @@ from viewgain.arrays import Vector
 from viewgain.gain import GridKnown, Objective
 from viewgain.plan._views import Seen
 from viewgain.scans import Scan
-from viewgain.voxels import OCTOMAP, Backend, Evidence, Lattice, OccupancyModel, VoxelGrid, coarser, evidence
+from viewgain.voxels import OCTOMAP, Backend, Evidence, Lattice, OccupancyModel, VoxelGrid, coarser, evidence, pixels_per_voxel
 
 
 class Mapper:
     """Fills a grid from scans, and remembers what each scan said, and the last situation: policies may share one.
 
-    What it remembers changes no answer, only the time it takes.
+    What it remembers changes no answer, only the time it takes. It keeps the scans it was shown: one mapper per world.
     """
 
     def __init__(
@@ -19,8 +19,8 @@ class Mapper:
         *,
         model: OccupancyModel = OCTOMAP,
         empty_is_free: bool = False,
-        stride: int = 4,
-        step: int = 12,
+        stride: int | None = None,
+        step: int | None = None,
         backend: Backend = "auto",
     ) -> None:
         """Remember nothing yet.
@@ -29,8 +29,8 @@ class Mapper:
             lattice: The voxels, world frame.
             model: How strongly a scan speaks.
             empty_is_free: Whether a pixel without a return has looked through the lattice (:func:`viewgain.voxels.evidence`).
-            stride: Every ``stride``-th pixel of a scan frees what lies before it.
-            step: Candidates are judged with every ``step``-th pixel per row and column; one ray per voxel is enough.
+            stride: Every ``stride``-th pixel of a scan frees what lies before it; None for three along the edge of a voxel.
+            step: Candidates are judged with every ``step``-th pixel per row and column; None for one along the edge of a voxel.
             backend: Who casts the rays.
         """
         self.lattice = lattice
@@ -53,7 +53,8 @@ class Mapper:
     def known(self, seen: Seen) -> GridKnown:
         """Return what a metric looks at; the same object for the same situation."""
         key = tuple(map(id, seen.scans))
-        camera = coarser(seen.camera, self._step)
+        step = self._step or min(pixels_per_voxel(self.lattice, seen.camera, pose[:3, 3]) for pose in seen.candidates)
+        camera = coarser(seen.camera, step)
         last = self._last
         if last is None or last[0] != key or last[1].candidates is not seen.candidates or last[1].camera != camera:
             self._last = last = (key, GridKnown(self.grid(seen.scans), seen.candidates, camera, self._backend))
@@ -61,9 +62,15 @@ class Mapper:
 
     def _evidence(self, scan: Scan) -> Evidence:
         if id(scan) not in self._said:  # the scan is kept beside what it said, so its id is not given away again
-            said = evidence(self.lattice, scan, empty_is_free=self._empty_is_free, stride=self._stride, backend=self._backend)
+            stride = self._stride or self._own_stride(scan)
+            said = evidence(self.lattice, scan, empty_is_free=self._empty_is_free, stride=stride, backend=self._backend)
             self._said[id(scan)] = (scan, said)
         return self._said[id(scan)][1]
+
+    def _own_stride(self, scan: Scan) -> int:
+        if scan.intrinsics is None or scan.camera_to_world is None:
+            return 1
+        return max(pixels_per_voxel(self.lattice, scan.intrinsics, scan.camera_to_world[:3, 3]) // 3, 1)
 
 
 class VolumetricPolicy:

@@ -1,6 +1,7 @@
 """A box of voxels that remembers what scans said about space: occupied, free, or never seen; and rays through it."""
 
 from viewgain.voxels._camera import coarser as coarser
+from viewgain.voxels._camera import pixels_per_voxel as pixels_per_voxel
 from viewgain.voxels._evidence import Evidence as Evidence
 from viewgain.voxels._evidence import evidence as evidence
 from viewgain.voxels._evidence import evidence_of_rays as evidence_of_rays
