@@ -8,6 +8,7 @@ from benchmarks import (
     calibration,
     closed_loop,
     coverage_policies,
+    data_labels,
     enclosing,
     fusion,
     lines,
@@ -37,6 +38,7 @@ BENCHMARKS = {
     "stacks": stacks.run,
     "not-a-box": not_a_box.run,
     "enclosing": enclosing.run,
+    "data-labels": data_labels.run,
 }
 
 
@@ -49,6 +51,7 @@ def main() -> None:
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
         " (504) and enclosing (500); objects of coverage-policies (30)",
+        " (504), enclosing (500) and data-labels (meshes; 20)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"
