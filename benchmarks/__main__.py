@@ -50,8 +50,7 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504) and enclosing (500); objects of coverage-policies (30)",
-        " (504), enclosing (500) and data-labels (meshes; 20)",
+        " (504), enclosing (500), data-labels (meshes; 20) and coverage-policies (objects; 30)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"
