@@ -4,7 +4,7 @@ Every episode, of coverage as of volume, asks its policy through this protocol. 
 (:class:`viewgain.plan.Policy`) takes part through the adapters of :mod:`viewgain.plan._adapters`.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -83,14 +83,14 @@ def choose(scores: Vector, allowed: Mask) -> int | None:
     return int(places[np.argmax(np.nan_to_num(scores[places], nan=-np.inf, posinf=np.inf, neginf=-np.inf))])
 
 
-def visited_among(candidates: Poses, stands: Sequence[Poses] | Poses) -> tuple[int, ...]:
+def visited_among(candidates: Poses, stands: Poses) -> tuple[int, ...]:
     """Return, for every stand that lies within :data:`NEAR` of a candidate, the nearest one, in order and each once.
 
     Args:
         candidates: (V, 4, 4) ``camera_to_world``.
         stands: (k, 4, 4) ``camera_to_world``.
     """
-    centres, places = np.asarray(candidates)[:, :3, 3], np.asarray(stands)[:, :3, 3]
+    centres, places = candidates[:, :3, 3], stands[:, :3, 3]
     apart = np.linalg.norm(places[:, None] - centres[None], axis=2)
     return unique(int(np.argmin(row)) for row in apart if row.min() < NEAR)
 
