@@ -52,13 +52,13 @@ def march(
     """
     origin, directions = np.asarray(origin, dtype=float), np.ascontiguousarray(directions, dtype=float)
     stops = np.zeros(lattice.count, dtype=bool) if stop is None else np.asarray(stop, dtype=bool).ravel()
-    inside = _inside(lattice, origin, directions, reach)
+    enters = _enters(lattice, origin, directions, reach)
     if backend == "numba" or (backend == "auto" and find_spec("numba") is not None):
-        return march_compiled(lattice, origin, directions, reach, stops, inside)
-    return _march_plain(lattice, origin, directions, reach, stops, inside)
+        return march_compiled(lattice, origin, directions, reach, stops, enters)
+    return _march_plain(lattice, origin, directions, reach, stops, enters)
 
 
-def _inside(lattice: Lattice, origin: Vector3, directions: Points, reach: float) -> Vector:
+def _enters(lattice: Lattice, origin: Vector3, directions: Points, reach: float) -> Vector:
     """Return (n,) lengths along the rays at which they enter the lattice; inf where they pass it by."""
     with np.errstate(divide="ignore", invalid="ignore"):
         one, other = (lattice.low - origin) / directions, (lattice.high - origin) / directions
