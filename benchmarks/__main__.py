@@ -7,6 +7,7 @@ from benchmarks import (
     accuracy,
     calibration,
     closed_loop,
+    coverage_policies,
     data,
     data_labels,
     enclosing,
@@ -27,6 +28,7 @@ BENCHMARKS = {
     "accuracy": accuracy.run,
     "lines": lines.run,
     "closed-loop": closed_loop.run,
+    "coverage-policies": coverage_policies.run,
     "fusion": fusion.run,
     "real": real.run,
     "calibration": calibration.run,
@@ -50,7 +52,7 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504), enclosing (500) and data-labels (meshes; 20)",
+        " (504), enclosing (500), data-labels (meshes; 20) and coverage-policies (objects; 30)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"

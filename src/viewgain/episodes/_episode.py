@@ -13,7 +13,7 @@ from viewgain.camera import Sensor
 from viewgain.errors import ScanError
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA, Measurement, fuse_measurements, measure
-from viewgain.plan import CovariancePolicy, NextView, Policy, next_view
+from viewgain.plan import CovariancePolicy, NextView, OnScans, Policy, ViewPolicy, next_view
 from viewgain.rigs import Rig
 from viewgain.scans import Scan
 from viewgain.scenes import Scene
@@ -96,7 +96,7 @@ def run_episode(
     *,
     rng: np.random.Generator,
     rig: str | Rig = "ring8",
-    policy: Policy | None = None,
+    policy: ViewPolicy | Policy | None = None,
     tolerance: float = 0.05,
     confidence: float = 0.95,
     max_views: int = 5,
@@ -109,7 +109,7 @@ def run_episode(
         first_view: (4, 4) camera_to_world of the first scan.
         rng: Source of sensor noise and pose errors.
         rig: Where the camera may go, anchored at each present pose.
-        policy: Who decides; default model-based.
+        policy: Who decides: any policy, or one about a box; default model-based.
         tolerance: Relative volume error asked for.
         confidence: Probability asked for.
         max_views: Most scans to take, at least 1.
@@ -136,7 +136,7 @@ def run_episode(
         plan = next_view(
             fused,
             rig,
-            policy=decider,
+            policy=_about_a_box(decider, [*(step.scan for step in steps), scan], world.sensor),
             camera=world.sensor,
             tolerance=tolerance,
             confidence=confidence,
@@ -147,6 +147,11 @@ def run_episode(
             return Episode(world, tuple(steps))
         believed = believed @ plan.candidates[plan.best].camera_to_current
         camera = world.arrive(believed, rng)
+
+
+def _about_a_box(policy: ViewPolicy | Policy, scans: list[Scan], sensor: Sensor) -> Policy:
+    """Return a policy as :func:`viewgain.plan.next_view` asks it."""
+    return policy if isinstance(policy, Policy) else OnScans(policy, tuple(scans), sensor.intrinsics)
 
 
 def volume_error(measured: Measurement, box: Box) -> float:

@@ -50,3 +50,13 @@ from viewgain.gain._tof import IncidenceTerm as IncidenceTerm
 from viewgain.gain._volume_errors import BoxScans as BoxScans
 from viewgain.gain._volume_errors import fused_errors as fused_errors
 from viewgain.gain._volume_errors import volume_errors as volume_errors
+from viewgain.gain._volumetric import GridKnown as GridKnown
+from viewgain.gain._volumetric_area import AreaFactor as AreaFactor
+from viewgain.gain._volumetric_catalogue import VOLUMETRIC as VOLUMETRIC
+from viewgain.gain._volumetric_entropy import AverageEntropy as AverageEntropy
+from viewgain.gain._volumetric_entropy import OcclusionAware as OcclusionAware
+from viewgain.gain._volumetric_entropy import UnobservedVoxel as UnobservedVoxel
+from viewgain.gain._volumetric_kriegel import Kriegel as Kriegel
+from viewgain.gain._volumetric_proximity import ProximityCount as ProximityCount
+from viewgain.gain._volumetric_rear import RearSideEntropy as RearSideEntropy
+from viewgain.gain._volumetric_rear import RearSideVoxel as RearSideVoxel

@@ -152,7 +152,7 @@ def next_view(
     decider = policy or CovariancePolicy(pose_sigma)
     measured = _measured(current, camera, pose_sigma)
     _require_standpoint(measured)
-    believed = _belief(measured, sensor_of(camera))
+    believed = believe(measured, sensor_of(camera))
     if believed is None:
         nowhere = np.zeros(3)
         return NextView(
@@ -196,7 +196,8 @@ def _require_standpoint(measured: Measurement) -> None:
         )
 
 
-def _belief(measured: Measurement, sensor: Sensor) -> Belief | None:
+def believe(measured: Measurement, sensor: Sensor) -> Belief | None:
+    """Return what is believed about the largest box in the image, or the largest rejected object; None without either."""
     if measured.boxes:
         return belief_from(measured.boxes[0])
     if not measured.rejected:

@@ -1,15 +1,16 @@
 """Policies: given what is believed and where the camera could go, a score for every candidate."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from viewgain.arrays import Array, Poses
+from viewgain.arrays import Array, Poses, Vector
 from viewgain.geometry import inverse
 from viewgain.measure import Knowledge, marginal, pose_precision
 from viewgain.plan._belief import Belief, Outlook, normal_within, outlook, relative_sigma
 from viewgain.plan._predict import Prediction, predict
+from viewgain.plan._views import Seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,8 +25,12 @@ class Assessment:
     """What the candidate would show, where the policy predicts it."""
 
 
+@runtime_checkable
 class Policy(Protocol):
-    """Scores candidate poses from what is believed; knows nothing of the truth."""
+    """Scores candidate poses from what is believed about a box; knows nothing of the truth.
+
+    The general protocol, for any object, is :class:`viewgain.plan.ViewPolicy`; docs/policies.md says how the two are joined.
+    """
 
     @property
     def name(self) -> str:
@@ -85,3 +90,7 @@ class RandomPolicy:
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return uniformly random scores."""
         return tuple(Assessment(float(score), None, None) for score in self.rng.random(len(candidates)))
+
+    def scores(self, seen: Seen) -> Vector:
+        """Return (V,) uniformly random scores: it is a general policy too."""
+        return self.rng.random(len(seen.candidates))

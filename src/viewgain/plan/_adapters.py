@@ -1,0 +1,86 @@
+"""The two kinds of policy in each other's place: a general one where a box is planned for, one about a box in any episode."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Poses, Vector
+from viewgain.camera import Intrinsics, Sensor
+from viewgain.geometry import inverse
+from viewgain.measure import POSE_SIGMA, fuse, measure
+from viewgain.plan._belief import Belief
+from viewgain.plan._next import believe
+from viewgain.plan._policy import Assessment, Policy
+from viewgain.plan._views import Seen, ViewPolicy, visited_among
+from viewgain.scans import Scan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnScans:
+    """A general policy as one about a box: asked with a belief, it looks at the scans instead.
+
+    Its scores come out as places, 0 for the best, -1 for the next, -2, ... (of equal ones the lower index is the better), so that
+    what :func:`viewgain.plan.next_view` makes of nearly equal scores does not overrule it.
+    """
+
+    policy: ViewPolicy
+    """Who decides."""
+    scans: tuple[Scan, ...]
+    """The scans so far, each with its pose; the last is the camera as it stands."""
+    camera: Intrinsics
+    """The camera's image."""
+
+    @property
+    def name(self) -> str:
+        """The policy's."""
+        return self.policy.name
+
+    def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
+        """Return one assessment per candidate, (v, 4, 4) ``camera_to_current``."""
+        del belief, tolerance
+        stands = np.stack([scan.camera_to_world for scan in self.scans if scan.camera_to_world is not None])
+        there = stands[-1] @ candidates
+        seen = Seen(self.scans, stands, there, visited_among(there, stands), self.camera)
+        scores = np.nan_to_num(self.policy.scores(seen), nan=-np.inf, posinf=np.inf, neginf=-np.inf)
+        places = np.empty(len(scores))
+        places[np.argsort(-scores, kind="stable")] = np.arange(len(scores))
+        return tuple(Assessment(-float(place), None, None) for place in places)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnBelief:
+    """A policy about a box as a general one: it measures the scans so far and asks the policy what it believes.
+
+    It measures all scans anew at every question.
+    """
+
+    policy: Policy
+    """Who decides."""
+    sensor: Sensor
+    """The camera."""
+    tolerance: float = 0.05
+    """Relative volume error asked for."""
+    pose_sigma: tuple[float, float] = POSE_SIGMA
+    """Standard deviation of camera poses, metres and radians per axis."""
+
+    @property
+    def name(self) -> str:
+        """The policy's."""
+        return self.policy.name
+
+    def scores(self, seen: Seen) -> Vector:
+        """Return (V,) scores; NaN where nothing stands on a floor, or no scan showed anything."""
+        nothing = np.full(len(seen.candidates), np.nan)
+        if not seen.scans:
+            return nothing
+        scans = list(seen.scans)
+        measured = (
+            measure(scans[0], camera=self.sensor)
+            if len(scans) == 1
+            else fuse(scans, camera=self.sensor, pose_sigma=self.pose_sigma)
+        )
+        belief, here = believe(measured, self.sensor), scans[-1].camera_to_world
+        if belief is None or here is None:
+            return nothing
+        assessed = self.policy.assess(belief, inverse(here) @ seen.candidates, self.tolerance)
+        return np.array([assessment.score for assessment in assessed])
