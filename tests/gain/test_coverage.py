@@ -1,5 +1,6 @@
 """Coverage: every fast path gives what counting distance by distance gives, to the last bit."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles.coverage import covered_by, near, walk
-from viewgain.errors import ConfigError, ScanError
+from viewgain.errors import ConfigError, MissingExtraError, ScanError
 from viewgain.gain import (
     PAPER,
     PCNBV,
@@ -27,6 +28,7 @@ from viewgain.gain import (
     surface_samples,
     unpacked,
 )
+from viewgain.gain._compiled import compiled
 from viewgain.gain._near import near_any, near_pairs
 from viewgain.meshes import MeshFolder
 
@@ -139,6 +141,8 @@ def test_bits_come_back(seed: int, count: int) -> None:
 def test_a_point_at_the_reach_covers_nothing(search: Search) -> None:
     surface = np.array([[0.5, 0, 0], [np.nextafter(0.5, 0), 0, 0], [-0.5, 0, 0]])
     assert cover([np.zeros((1, 3))], surface, 0.5, search=search).mask(0).tolist() == [False, True, False]
+    queries = np.array([[0.1, 0, 0], [0.5, 0, 0], [0.45, 0, 0], [0, -0.5, 0]])
+    assert near_any(queries, np.arange(4), np.zeros((1, 3)), 0.5, search=search).tolist() == [True, False, True, False]
 
 
 def test_the_two_rules_by_hand() -> None:
@@ -161,6 +165,26 @@ def test_published_coverage_counts_surface_twice() -> None:
     labels = greedy_labels(cover(clouds, surface, 1.0), first=0, steps=1)
     assert labels.coverage_published.tolist() == [1.0, 2.0]
     assert labels.coverage_union.tolist() == [1.0, 1.0]
+
+
+def test_published_gain_leaves_out_what_known_surroundings_cover() -> None:
+    # View 1's point is within reach of view 0's, so it is not new, though it covers a sample that view 0 does not.
+    surface = np.array([[0.0, 0, 0], [1.9, 0, 0]])
+    labels = greedy_labels(cover([np.zeros((1, 3)), np.array([[0.95, 0, 0]])], surface, 1.0), first=0, steps=1)
+    assert labels.gains_published.tolist() == [[0, 0]]
+    assert labels.gains_union.tolist() == [[0, 0.5]]
+
+
+def test_without_the_extra_scipy_searches(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "numba", None)
+    compiled.cache_clear()
+    try:
+        with pytest.raises(MissingExtraError, match=r"viewgain\[data\]"):
+            bad_cover(search="numba")
+        assert bad_cover().mask(0).tolist() == [True]
+        assert bad_cover(search="scipy").coverage.tolist() == [1]
+    finally:
+        compiled.cache_clear()
 
 
 def test_auc_by_hand() -> None:

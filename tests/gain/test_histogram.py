@@ -50,6 +50,12 @@ def test_bins_are_symmetric_about_the_one_around_zero(rule: HistogramRule) -> No
     assert inner[-1] <= rule.limit * (1 + 1e-6)
 
 
+def test_a_bin_holds_its_low_edge() -> None:
+    histogram = ErrorHistogram.from_errors(np.array([[-0.25, 0.25, 0.75]]), HistogramRule(width=0.5, limit=0.75))
+    assert histogram.edges.tolist() == [-np.inf, -0.75, -0.25, 0.25, 0.75, np.inf]
+    assert histogram.counts.tolist() == [[0, 0, 1, 1, 1]]
+
+
 def test_a_limit_on_an_edge_is_one() -> None:
     assert HistogramRule(width=0.1, limit=0.35).edges[1:-1].tolist() == pytest.approx(np.arange(-0.35, 0.36, 0.1))
 
