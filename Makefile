@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -42,6 +42,9 @@ bench-volume: $(VENV)/dev.stamp ## Print every accuracy table of docs/accuracy.m
 
 bench-sim: $(VENV)/dev.stamp ## Time the simulator, with the whole synthetic set of the paper
 	$(BIN)/python -m benchmarks simulation --captures 1000 $(ARGS)
+
+bench-data: $(VENV)/dev.stamp ## Time labels and data sets beside their slow twins
+	$(BIN)/python -m benchmarks data data-labels $(ARGS)
 
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 

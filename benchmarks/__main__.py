@@ -10,6 +10,7 @@ from benchmarks import (
     coverage_policies,
     data,
     data_labels,
+    data_statistics,
     enclosing,
     fusion,
     lines,
@@ -41,6 +42,7 @@ BENCHMARKS = {
     "enclosing": enclosing.run,
     "data": data.run,
     "data-labels": data_labels.run,
+    "data-statistics": data_statistics.run,
 }
 
 
@@ -67,6 +69,7 @@ def main() -> None:
     parser.add_argument(
         "--pictures", type=Path, help="volume, calibration, published-noise, real-tof: also draw, into this folder"
     )
+    parser.add_argument("--data", nargs="*", type=Path, help="data-statistics: folders of data sets")
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)
     if unknown:
