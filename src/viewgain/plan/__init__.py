@@ -2,6 +2,7 @@
 
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Outlook as Outlook
+from viewgain.plan._network import NetworkPolicy as NetworkPolicy
 from viewgain.plan._next import Candidate as Candidate
 from viewgain.plan._next import NextView as NextView
 from viewgain.plan._next import next_view as next_view
