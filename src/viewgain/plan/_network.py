@@ -9,7 +9,6 @@ from viewgain.errors import ConfigError, ScanError
 from viewgain.geometry import inverse, pose, rotation_from_rotvec, transform
 from viewgain.inference import Bounds, FrameName, Scorer
 from viewgain.measure import find_floors, range_image, sensor_of
-from viewgain.parcels import find_objects
 from viewgain.plan._belief import Belief, floor_pose
 from viewgain.plan._policy import Assessment
 from viewgain.rigs import Rig, rig
@@ -69,6 +68,8 @@ def object_points(scan: Scan, near: Vector3) -> Points:
     Raises:
         ScanError: If there is no floor, or nothing on it.
     """
+    from viewgain.parcels import find_objects  # plain measuring loads the planner's words, and need not load this
+
     sensor, image = sensor_of(None), range_image(scan)
     for floor in find_floors(image, sensor):
         objects = find_objects(image, floor, sensor)
