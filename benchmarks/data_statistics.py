@@ -27,7 +27,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _coverage(data: Dataset) -> None:
-    """Print, where there are coverage targets, the gain of the best, of any and of the most common offset, and how often each offset is best."""
+    """Print, where there are coverage targets, the gain of the best view and of floors, and how often each offset is best."""
     objects = data.column("object")
     names = [name for rule in RULES for name in data.manifest.targets if rule in name]
     for name in names:

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import tyro
 
+from viewgain.cli._deciding import Deciding
+
 Scans = tyro.conf.Positional[tuple[Path, ...]]
 
 
@@ -67,8 +69,10 @@ class Next:
     """How the files are read."""
     rig: str = "ring8"
     """Candidate poses: ring8, paper4, irregular4, pcnbv33, hemisphere20, ... (docs/rigs.md), or a TOML file of your own."""
-    objective: Literal["volume"] = "volume"
-    """What to become certain of."""
+    objective: Literal["volume", "coverage"] = "volume"
+    """What to become certain of: the volume, or (with --policy network) the whole surface."""
+    deciding: Annotated[Deciding, tyro.conf.arg(name="")] = field(default_factory=Deciding)
+    """Who decides."""
     tolerance: float = 0.05
     """Relative volume error that is good enough."""
     confidence: float = 0.95

@@ -2,13 +2,18 @@
 
 import json
 import sys
+from pathlib import Path
 
 from viewgain.cli._commands import Next
 from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
 from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
+from viewgain.errors import ConfigError
+from viewgain.inference import Scorer, find_model, model_name, shipped_models
 from viewgain.measure import REASONS, fuse, measure
-from viewgain.plan import next_view
+from viewgain.plan import NetworkPolicy, next_view
+from viewgain.rigs import rig
+from viewgain.scans import Scan
 
 
 def run_next(command: Next) -> int:
@@ -21,6 +26,7 @@ def run_next(command: Next) -> int:
         current,
         command.rig,
         objective=command.objective,
+        policy=_policy(command, scans[-1]),
         camera=camera,
         tolerance=command.tolerance,
         confidence=command.confidence,
@@ -37,3 +43,23 @@ def run_next(command: Next) -> int:
     to_stdout(ranking_table(plan))
     print(decision_in_words(plan))
     return 0
+
+
+def _policy(command: Next, scan: Scan) -> NetworkPolicy | None:
+    """Return the network that decides; None for the model-based policy."""
+    deciding = command.deciding
+    if deciding.policy == "model":
+        if command.objective == "coverage":
+            raise ConfigError("--objective coverage: got --policy model, which knows boxes only; add --policy network")
+        return None
+    if command.objective != "coverage":
+        raise ConfigError(f"--policy network: got --objective {command.objective}, wanted --objective coverage")
+    name = rig(command.rig).name
+    return NetworkPolicy(Scorer.load(deciding.model or _shipped(name, posed=scan.camera_to_world is not None)), scan, name)
+
+
+def _shipped(rig_name: str, *, posed: bool) -> Path:
+    """Return the shipped network for a rig: without the view state, full size before compact; raises ModelError without one."""
+    frames = ("object", "camera") if posed else ("camera", "object")
+    names = [model_name(kind, rig_name, frame) for frame in frames for kind in ("pc_nbv_noview", "compact")]
+    return find_model(next((name for name in names if name in shipped_models()), names[0]))

@@ -7,6 +7,7 @@ from viewgain.plan._belief import Outlook as Outlook
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order
+from viewgain.plan._network import NetworkPolicy as NetworkPolicy
 from viewgain.plan._next import Candidate as Candidate
 from viewgain.plan._next import NextView as NextView
 from viewgain.plan._next import next_view as next_view

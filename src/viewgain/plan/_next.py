@@ -22,6 +22,8 @@ STEPS_BACK = (1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
 """Factors on the present distance that are tried until the box fits into the image."""
 STAYING = 0.05
 """A candidate nearer to the present camera than this is the present place, metres."""
+OBJECTIVES = ("volume", "coverage")
+"""What can be asked for."""
 INDIFFERENT = 0.03
 """Of candidates that leave a standard deviation within this share of the least, the nearest is taken."""
 
@@ -130,7 +132,7 @@ def next_view(
     Args:
         current: A scan, several (fused, with poses or without; the last is the camera as it stands), or an earlier measurement.
         rig: Preset name, path of a rig file, or a rig.
-        objective: ``volume``.
+        objective: ``volume``, or ``coverage`` with a policy that scores it (:class:`NetworkPolicy`); it never says stop.
         policy: Who scores; default the model-based :class:`CovariancePolicy`.
         camera: Preset name or sensor; default estimated from the scan. Its image is that of the scan where that has one.
         tolerance: Relative volume error asked for.
@@ -145,8 +147,10 @@ def next_view(
             no box with the others, so that nobody knows where the camera stands.
     """
     stations = find_rig(rig)
-    if objective != "volume":
-        raise ConfigError(f"objective {objective!r} is not known; choose volume")
+    if objective not in OBJECTIVES:
+        raise ConfigError(f"objective {objective!r} is not known; choose {' or '.join(OBJECTIVES)}")
+    if objective == "coverage" and policy is None:
+        raise ConfigError("objective coverage wants a policy that scores it; give one, such as NetworkPolicy (--policy network)")
     if not 0 < tolerance < 1 or not 0 < confidence < 1:
         raise ConfigError(f"got tolerance {tolerance} and confidence {confidence}, wanted both between 0 and 1")
     decider = policy or CovariancePolicy(pose_sigma)
@@ -154,9 +158,21 @@ def next_view(
     _require_standpoint(measured)
     believed = believe(measured, sensor_of(camera))
     if believed is None:
-        nowhere = np.zeros(3)
+        nowhere, nothing = np.zeros(3), measured.reason
         return NextView(
-            stations.name, decider.name, measured, (), None, False, None, tolerance, confidence, nowhere, nowhere, measured.reason
+            stations.name,
+            decider.name,
+            measured,
+            (),
+            None,
+            False,
+            None,
+            tolerance,
+            confidence,
+            nowhere,
+            nowhere,
+            nothing,
+            objective,
         )
     back = _step_back(believed)
     poses = place(stations, _target(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
@@ -167,13 +183,26 @@ def next_view(
             zip(poses, assessments, _reachable(poses, believed, stations, measured.camera_to_world), strict=True)
         )
     )
-    best = _best(candidates, settle=believed.bounded)
+    for_volume = objective == "volume"
+    best = _best(candidates, settle=believed.bounded and for_volume, indifferent=INDIFFERENT if for_volume else 0.0)
     chance = outlook(believed, tolerance).within_tolerance
-    stop = believed.bounded and chance > confidence
+    stop = for_volume and believed.bounded and chance > confidence
     reason = "no_reachable_view" if best is None else None
     target, up = believed.mean.centre, believed.mean.floor.normal
     return NextView(
-        stations.name, decider.name, measured, candidates, best, stop, chance, tolerance, confidence, target, up, reason
+        stations.name,
+        decider.name,
+        measured,
+        candidates,
+        best,
+        stop,
+        chance,
+        tolerance,
+        confidence,
+        target,
+        up,
+        reason,
+        objective,
     )
 
 
@@ -233,7 +262,7 @@ def _reachable(poses: Poses, belief: Belief, stations: Rig, camera_to_world: Pos
     return tuple(reason is None for reason in refusals(limits, cameras, Target(np.eye(4), seen.extents), floor_to_world=world))
 
 
-def _best(candidates: tuple[Candidate, ...], *, settle: bool) -> int | None:
+def _best(candidates: tuple[Candidate, ...], *, settle: bool, indifferent: float = INDIFFERENT) -> int | None:
     """Return the reachable candidate with the best score, the nearest of those within a hair of it.
 
     Where a dimension is still open (not ``settle``) the present place is no answer to a tie: it has just failed to show it.
@@ -242,7 +271,7 @@ def _best(candidates: tuple[Candidate, ...], *, settle: bool) -> int | None:
     if not reachable:
         return None
     top = max(candidate.assessment.score for candidate in reachable)
-    least = top - INDIFFERENT * abs(1 - top)
+    least = top - indifferent * abs(1 - top)
     tied = [candidate for candidate in reachable if candidate.assessment.score >= least]
     elsewhere = [candidate for candidate in tied if candidate.travel > STAYING]
     return min(tied if settle or not elsewhere else elsewhere, key=lambda candidate: candidate.travel).index

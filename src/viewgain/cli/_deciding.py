@@ -1,0 +1,15 @@
+"""Who decides where to go next, as options of ``viewgain next``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deciding:
+    """Who decides."""
+
+    policy: Literal["model", "network"] = "model"
+    """model: what each view would teach about the box; network: a trained network (objective coverage)."""
+    model: Path | None = None
+    """Network file made by viewgain export; default the shipped one for the rig and for whether the scan has a pose."""
