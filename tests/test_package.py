@@ -14,7 +14,9 @@ import viewgain
 
 HEAVY = {"torch", "matplotlib", "jinja2"}
 DRAWING_ROOMS = {"report", "cli"}
-ROOMS = sorted({module.name for module in pkgutil.iter_modules(viewgain.__path__)} - DRAWING_ROOMS - {"__main__"})
+TORCH_ROOMS = {"network"}
+"""They are made of torch; every other room may load it inside a function only."""
+ROOMS = sorted({module.name for module in pkgutil.iter_modules(viewgain.__path__)} - DRAWING_ROOMS - TORCH_ROOMS - {"__main__"})
 
 # Each of these runs in a fresh interpreter and prints, as its last line, the top-level modules that it has loaded.
 REPORT_MODULES = "\nimport sys\nprint()\nprint(*{name.partition('.')[0] for name in sys.modules})"

@@ -1,0 +1,1 @@
+"""Scores from a network file through onnxruntime; torch is not needed."""

@@ -1,0 +1,50 @@
+"""What a network is made of, as a record. The defaults are those of PC-NBV (Zeng et al. 2020, public code)."""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
+
+from viewgain.errors import ConfigError
+
+Kind: TypeAlias = Literal["pc_nbv", "pc_nbv_noview", "compact", "compact_view"]
+"""``pc_nbv`` and ``compact_view`` are told which views were visited, ``pc_nbv_noview`` and ``compact`` are not."""
+Uncertainty: TypeAlias = Literal["none", "gaussian"]
+"""Whether a network says how sure it is of each score."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NetworkSettings:
+    """One network; two of equal settings have the same parameters in the same order."""
+
+    kind: Kind = "pc_nbv"
+    """Which network."""
+    views: int = 33
+    """V, the candidate views of the rig."""
+    points: int = 512
+    """Points per cloud that it is trained and exported for; it runs on any number."""
+    neighbours: int = 16
+    """k, the neighbours of each point."""
+    growth: int = 12
+    """Channels that each layer of a dense edge convolution adds (the paper-size networks)."""
+    blocks: int = 4
+    """Dense edge convolutions (the paper-size networks): 4 of growth 12 make 264 features."""
+    shared: tuple[int, ...] = (1024, 1024)
+    """Widths of the layers that every point passes (the paper-size networks)."""
+    head: tuple[int, ...] = (1024, 512, 256)
+    """Widths of the layers that the cloud's one feature passes (the paper-size networks); a last one gives the V scores."""
+    width: int = 64
+    """Channels of the first layers of the compact networks; all others are multiples of it."""
+    uncertainty: Uncertainty = "none"
+    """``gaussian``: a second number per view, the logarithm of the score's variance."""
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind) or self.uncertainty not in get_args(Uncertainty):
+            wanted = f"one of {', '.join(get_args(Kind))} and one of {', '.join(get_args(Uncertainty))}"
+            raise ConfigError(f"network: got kind {self.kind!r} and uncertainty {self.uncertainty!r}, wanted {wanted}")
+        counts = (self.views, self.points, self.neighbours, self.growth, self.blocks, self.width, *self.shared, *self.head)
+        if min(counts) < 1 or not self.shared or not self.head:
+            raise ConfigError("network: wanted views, points, neighbours, growth, blocks and all widths of at least one")
+
+    @property
+    def with_view_state(self) -> bool:
+        """Whether the network is told which views were visited, and answers in rig order instead of the present view first."""
+        return self.kind in ("pc_nbv", "compact_view")
