@@ -62,7 +62,6 @@ class Batches:
             seed: Source of order and draws.
             symmetries: Motions to show the samples under.
         """
-    
         self._examples, self._settings, self._rows = examples, settings, torch.from_numpy(rows)
         self._batch, self._points, self._uses_state, self._seed = batch, points, uses_state, seed
         self._order = ShuffledOrder(len(rows), seed=seed)
@@ -75,7 +74,6 @@ class Batches:
 
     def at(self, step: int, *, part: slice = slice(None)) -> Batch:
         """Return the batch of a step, or the part of it that one process works on."""
-    
         places = np.arange(step * self._batch, (step + 1) * self._batch)
         epochs, positions = np.divmod(places, len(self._rows))
         inside = np.array([self._epoch(int(epoch))[position] for epoch, position in zip(epochs, positions, strict=True)])
@@ -98,9 +96,8 @@ class Batches:
             targets=whole.targets[part],
         )
 
-    def _disturbed(self, clouds: Tensor, mask: Tensor, generator: object) -> tuple[Tensor, Tensor]:
+    def _disturbed(self, clouds: Tensor, mask: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor]:
         """Return clouds with noise and with hidden points; of each at least its first point stays."""
-    
         if self._settings.jitter:
             noise = torch.empty_like(clouds).normal_(generator=generator)
             clouds = (clouds + self._settings.jitter * noise) * mask[..., None]
@@ -117,7 +114,6 @@ def in_order(
     examples: Examples, rows: NDArray[np.intp], *, batch: int, points: int, uses_state: bool
 ) -> Iterator[tuple[NDArray[np.intp], Batch]]:
     """Yield rows and batches of some samples as they are, one after the other: always the same points, no augmentation."""
-
     for start in range(0, len(rows), batch):
         chosen = rows[start : start + batch]
         index = torch.from_numpy(chosen).to(examples.points.device)
@@ -127,7 +123,7 @@ def in_order(
         yield chosen, _batch(clouds, mask, views, states, targets, uses_state=uses_state)
 
 
-def drawn_points(examples: Examples, rows: Tensor, points: int, generator: object) -> tuple[Tensor, Tensor]:
+def drawn_points(examples: Examples, rows: Tensor, points: int, generator: torch.Generator) -> tuple[Tensor, Tensor]:
     """Return (B, n, 3) points, each of a cloud at most once, and (B, n) where there are any.
 
     Args:
@@ -136,22 +132,19 @@ def drawn_points(examples: Examples, rows: Tensor, points: int, generator: objec
         points: n at most; fewer where no cloud has so many.
         generator: Of torch, on the device of the samples.
     """
-
     clouds, counts = examples.points[rows], examples.counts[rows]
     held = clouds.shape[1]
     place = torch.arange(held, device=clouds.device)[None]
     if held <= points:
         return clouds.float(), place < counts[:, None]
-    keys = torch.rand(len(rows), held, generator=generator, device=clouds.device)  # type: ignore[call-overload,unused-ignore]
+    keys = torch.rand(len(rows), held, generator=generator, device=clouds.device)
     keys = torch.where(place < counts[:, None], keys, 2.0)
     chosen = keys.topk(points, dim=1, largest=False).indices
     mask = chosen < counts[:, None]
     return clouds.gather(1, chosen[..., None].expand(-1, -1, 3)).float() * mask[..., None], mask
 
 
-def _batch(
-    points: Tensor, mask: Tensor, views: Tensor, states: Tensor, targets: Tensor, *, uses_state: bool
-) -> Batch:
+def _batch(points: Tensor, mask: Tensor, views: Tensor, states: Tensor, targets: Tensor, *, uses_state: bool) -> Batch:
     if uses_state:
         return Batch(points=points, mask=mask, states=states.float(), targets=targets)
     return Batch(points=points, mask=mask, states=None, targets=present_first(targets, views))
@@ -159,6 +152,5 @@ def _batch(
 
 def present_first(scores: Tensor, views: Tensor) -> Tensor:
     """Return (B, V) scores in rig order with each row's present view (B,) first: row by row ``np.roll(scores, -view)``."""
-
     count = scores.shape[1]
     return scores.gather(1, (torch.arange(count, device=scores.device)[None] + views[:, None]) % count)

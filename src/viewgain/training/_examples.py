@@ -115,7 +115,9 @@ def _stacked(data: Dataset, chosen: NDArray[np.intp], settings: DataSettings, *,
 
 def _check_sample(data: Dataset, index: int, sample: Sample, views: int) -> None:
     if len(sample.candidates) != views:
-        raise DataError(f"{data.folder}: sample {index} has {len(sample.candidates)} views, wanted {views} in each; name other data")
+        raise DataError(
+            f"{data.folder}: sample {index} has {len(sample.candidates)} views, wanted {views} in each; name other data"
+        )
     if len(sample.points) == 0 or not np.all(np.isfinite(sample.points)):
         raise DataError(f"{data.folder}: sample {index} has no points, or some that are not finite; wanted a cloud in each")
 

@@ -81,7 +81,9 @@ class RunFolder:
             table = json.loads(path.read_text(encoding="utf-8"))
             if table["schema"] != SCHEMA:
                 raise TrainingError(f"{path}: got schema {table['schema']!r}, wanted {SCHEMA}; use the version that wrote it")
-            recipe = training_recipe_from_table({k: v for k, v in table["recipe"].items() if k != "name"}, table["recipe"]["name"])
+            recipe = training_recipe_from_table(
+                {k: v for k, v in table["recipe"].items() if k != "name"}, table["recipe"]["name"]
+            )
             return RunRecord(recipe=recipe, data=table["data"], plan=table["plan"], facts=table["facts"])
         except FileNotFoundError:
             raise TrainingError(f"{self.path}: holds no run; name the folder that viewgain train wrote") from None
@@ -100,7 +102,9 @@ class RunFolder:
             with (self.path / METRICS).open("a", encoding="utf-8") as file:
                 file.write(json.dumps(dict(line)) + "\n")
         except OSError as error:
-            raise StorageError(f"{self.path / METRICS}: cannot be written ({error.strerror}); make room, then --resume") from error
+            raise StorageError(
+                f"{self.path / METRICS}: cannot be written ({error.strerror}); make room, then --resume"
+            ) from error
 
     def metrics(self) -> list[dict[str, Any]]:
         """Return the lines of metrics; a last one that was cut short is left out, and there are none before the first step."""

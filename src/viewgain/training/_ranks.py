@@ -65,10 +65,10 @@ class Torchrun:
         Raises:
             TrainingError: If they cannot be met.
         """
-                try:
+        try:
             distributed.init_process_group("nccl" if device.startswith("cuda") else "gloo")
         except (RuntimeError, ValueError) as error:
-            raise TrainingError(f"the processes of torchrun cannot meet: {error}; start them with one torchrun command") from error
+            raise TrainingError(f"the processes of torchrun cannot meet ({error}); start them by one command") from error
         self.rank, self.size = distributed.get_rank(), distributed.get_world_size()
         self._device = torch.device(device)
 
@@ -90,7 +90,7 @@ class Torchrun:
 
     def close(self) -> None:
         """Leave the group."""
-            distributed.destroy_process_group()
+        distributed.destroy_process_group()
 
 
 def ranks(device: str) -> Ranks:

@@ -46,7 +46,9 @@ def training_recipe_from_table(table: Mapping[str, Any], name: str) -> TrainingR
     where = f"training recipe {name}"
     unknown = sorted(set(table) - set(_KEYS))
     if unknown or "network" not in table or not isinstance(table.get("makes"), str):
-        raise ConfigError(f"{where}: got the keys {sorted(table)}, wanted makes (a sentence), network, and any of data, training, loss")
+        raise ConfigError(
+            f"{where}: got the keys {sorted(table)}, wanted makes (a sentence), network, and any of data, training, loss"
+        )
     return TrainingRecipe(
         name=name,
         makes=table["makes"],

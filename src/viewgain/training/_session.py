@@ -33,7 +33,7 @@ class Session:
         self.recipe, self.step, self.rate = recipe, 0, 0.0
         self._batches, self._device, self._ranks = batches, device, ranks
         self.model: nn.Module = build(recipe.network, generator=torch.Generator().manual_seed(settings.seed)).to(device)
-        average = get_ema_multi_avg_fn(settings.average)
+        average = get_ema_multi_avg_fn(settings.average)  # type: ignore[no-untyped-call, unused-ignore]
         self._average = AveragedModel(self.model, multi_avg_fn=average) if settings.average else None
         self._optimizer = torch.optim.Adam(_groups(self.model, recipe.loss.weight_decay), lr=settings.learning_rate)
         self._joined = ranks.joined(self.model)
@@ -64,7 +64,7 @@ class Session:
         if self._average is not None:
             self._average.update_parameters(self.model)
         self.step += 1
-        return float(loss)
+        return float(loss.detach())
 
     def weights(self) -> dict[str, Tensor]:
         """Return the weights that are judged and exported."""

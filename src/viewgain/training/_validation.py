@@ -40,7 +40,6 @@ class Validation:
 
 def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows: NDArray[np.intp]) -> Validation:
     """Return how good a network's choices are on some samples; the model is put into evaluation mode and back."""
-
     points, uses_state = recipe.network.points, recipe.network.with_view_state
     losses, exact, shortfalls = [], [], []
     was_training = model.training
