@@ -4,11 +4,12 @@ import torch
 from torch import nn
 
 from viewgain.network._compact import Compact
+from viewgain.network._inputs import ScoreNetwork
 from viewgain.network._pcnbv import PcNbv
 from viewgain.network._settings import NetworkSettings
 
 
-def build(settings: NetworkSettings, *, generator: torch.Generator | None = None) -> nn.Module:
+def build(settings: NetworkSettings, *, generator: torch.Generator | None = None) -> ScoreNetwork:
     """Return a network on the CPU: weights by Glorot's uniform rule, biases and the weight of the attention zero.
 
     The global random state of torch is touched only where no generator is given.
@@ -18,7 +19,7 @@ def build(settings: NetworkSettings, *, generator: torch.Generator | None = None
         generator: Draws the weights.
     """
     with torch.device("meta"):
-        module: nn.Module = PcNbv(settings) if settings.kind.startswith("pc_nbv") else Compact(settings)
+        module: ScoreNetwork = PcNbv(settings) if settings.kind.startswith("pc_nbv") else Compact(settings)
     module = module.to_empty(device="cpu")
     with torch.no_grad():
         for parameter in module.parameters():

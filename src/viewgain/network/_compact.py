@@ -8,9 +8,9 @@ maximum, max_j (A x_i + B x_j), is A x_i + max_j B x_j, so B x is computed per p
 import torch
 from torch import Tensor, nn
 
-from viewgain.network._inputs import prepared
+from viewgain.network._inputs import ScoreNetwork, joined
 from viewgain.network._layers import Perceptron, SplitLinear, pooled
-from viewgain.network._neighbours import gathered, nearest
+from viewgain.network._neighbours import gathered, nearest_in_space
 from viewgain.network._output import outputs_of, shaped
 from viewgain.network._settings import NetworkSettings
 
@@ -32,32 +32,27 @@ class EdgeMax(nn.Module):
         return torch.relu(self.own(features) + gathered(self.other(features), rows).amax(2))
 
 
-class Compact(nn.Module):
-    """Three edge convolutions on one graph, the cloud's feature shown back to its points, maximum, scores.
-
-    Shapes: as :class:`viewgain.network.PcNbv`.
-    """
+class Compact(ScoreNetwork):
+    """Three edge convolutions on one graph, the cloud's feature shown back to its points, maximum, scores."""
 
     def __init__(self, settings: NetworkSettings) -> None:
         """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
-        super().__init__()
-        self.settings = settings
+        super().__init__(settings)
         width = settings.width
         self.lift = nn.Linear(3, width)
         self.edges = nn.ModuleList((EdgeMax(width, width), EdgeMax(width, width), EdgeMax(width, 2 * width)))
-        self.local = nn.Linear(5 * width, 4 * width)
-        self.beside = SplitLinear(8 * width + (settings.views if settings.with_view_state else 0), 4 * width)
-        self.wide = nn.Linear(4 * width, 8 * width)
-        self.head = Perceptron((8 * width, 4 * width, 2 * width, outputs_of(settings)))
+        self.local = nn.Linear(5 * width, 3 * width)
+        self.beside = SplitLinear(6 * width + (settings.views if settings.with_view_state else 0), 3 * width)
+        self.wide = nn.Linear(3 * width, 6 * width)
+        self.head = Perceptron((6 * width, 4 * width, 2 * width, outputs_of(settings)))
 
-    def forward(self, points: Tensor, mask: Tensor | None = None, view_state: Tensor | None = None) -> Tensor:
-        """Return scores; inputs, order and errors as :meth:`viewgain.network.PcNbv.forward`."""
-        mask, state = prepared(points, mask, view_state, self.settings)
-        rows = nearest(points, mask, self.settings.neighbours)
+    def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
+        """Return the scores."""
+        rows = nearest_in_space(points, mask, self.settings.neighbours)
         layers = [torch.relu(self.lift(points))]
         for edge in self.edges:
             layers.append(edge(layers[-1], rows))
-        local = torch.relu(self.local(torch.cat(layers, dim=-1)))  # (B, N, 4 width)
-        cloud = pooled(local, mask) if state is None else torch.cat((pooled(local, mask), state), dim=-1)
-        beside = torch.relu(self.beside(local, cloud))
-        return shaped(self.head(torch.relu(pooled(self.wide(beside), mask))), self.settings)
+        local = torch.relu(self.local(torch.cat(layers, dim=-1)))  # (B, N, 3 width)
+        beside = torch.relu(self.beside(local, joined(pooled(local, mask), view_state)))
+        cloud = torch.relu(pooled(self.wide(beside), mask))  # (B, 6 width)
+        return shaped(self.head(cloud), self.settings)

@@ -5,35 +5,45 @@ from torch import Tensor
 
 
 def nearest(features: Tensor, mask: Tensor, count: int) -> Tensor:
-    """Return (B, N, k) rows of ``features.flatten(0, 1)``: the k nearest other points of each point, in no particular order.
+    """Return (B, N, k) rows of ``features.flatten(0, 1)``: the k nearest other points of each point, in feature space.
 
     A cloud with too few points has some neighbours twice, which no maximum notices; a single point is its own neighbour.
 
     Args:
         features: (B, N, C) what nearness is judged by.
         mask: (B, N) which points are real; others are nobody's neighbours.
-        count: k. A batch of clouds of N <= k points has N - 1 neighbours, at least 1.
+        count: k. Clouds of N <= k points have N - 1 neighbours, at least 1.
     """
-    batch, number, _ = features.shape
-    own = torch.arange(number, device=features.device)
     with torch.no_grad():
-        apart = _ordering(features.detach(), mask)
-        apart = apart.masked_fill(~mask[:, None, :], torch.inf).masked_fill(own[:, None] == own, torch.inf)  # (B, N, N)
-        distances, places = torch.topk(apart, max(min(count, number - 1), 1), largest=False)  # (B, N, k), nearest first
-        first = torch.where(distances[..., :1] < torch.inf, places[..., :1], own[:, None])
-        places = torch.where(distances < torch.inf, places, first)
-        return places + number * torch.arange(batch, device=features.device)[:, None, None]
+        real = mask[..., None].to(features.dtype)
+        # About the mean: what is far from the origin would drown in rounding.
+        about = features.detach() - (features * real).sum(1, keepdim=True) / real.sum(1, keepdim=True)
+        squares = torch.where(mask, about.square().sum(-1), torch.inf)
+        # The square of the row's own point would not change who is nearest.
+        return _rows(squares[:, None, :] - 2 * about @ about.transpose(1, 2), count)
 
 
-def _ordering(features: Tensor, mask: Tensor) -> Tensor:
-    """Return (B, N, N) squared distances less a constant per row, which does not change who is nearest.
+def nearest_in_space(points: Tensor, mask: Tensor, count: int) -> Tensor:
+    """Return as :func:`nearest`, of (B, N, 3) points and with distances that are exact to the last bits.
 
-    They are taken about the mean: what is far from the origin would drown in rounding.
+    So two programs that run the same network seldom disagree about who is nearer.
     """
-    real = mask[..., None].to(features.dtype)
-    about = (features - (features * real).sum(1, keepdim=True) / real.sum(1, keepdim=True)) * real
-    squares = about.square().sum(-1)
-    return squares[:, None, :] - 2 * about @ about.transpose(1, 2)
+    with torch.no_grad():
+        x, y, z = points.detach().unbind(-1)
+        apart = (x[:, :, None] - x[:, None]).square() + (y[:, :, None] - y[:, None]).square()
+        apart = apart + ((z[:, :, None] - z[:, None]).square() + torch.where(mask, 0.0, torch.inf)[:, None])
+        return _rows(apart, count)
+
+
+def _rows(apart: Tensor, count: int) -> Tensor:
+    """Return the rows of the ``count`` least finite of (B, N, N) distances per point, itself left out."""
+    batch, number, _ = apart.shape
+    own = torch.arange(number, device=apart.device)
+    apart = torch.where(own[:, None] == own, torch.inf, apart)
+    distances, places = torch.topk(apart, max(min(count, number - 1), 1), largest=False)  # (B, N, k), nearest first
+    first = torch.where(distances[..., :1] < torch.inf, places[..., :1], own[:, None])
+    places = torch.where(distances < torch.inf, places, first)
+    return places + number * torch.arange(batch, device=apart.device)[:, None, None]
 
 
 def gathered(features: Tensor, rows: Tensor) -> Tensor:

@@ -1,12 +1,12 @@
 """PC-NBV, with and without the view state. Pop and Tamas 2022, section 3.1 and Fig. 7; Zeng et al. 2020.
 
-Read ``forward`` from top to bottom beside Fig. 7: features of points, the cloud's, attention, shared layers, maximum, scores.
+Read ``scored`` from top to bottom beside Fig. 7: features of points, the cloud's, attention, shared layers, maximum, scores.
 """
 
 import torch
 from torch import Tensor, nn
 
-from viewgain.network._inputs import prepared
+from viewgain.network._inputs import ScoreNetwork, joined
 from viewgain.network._layers import DenseEdgeConv, Perceptron, SelfAttention, pooled
 from viewgain.network._neighbours import nearest
 from viewgain.network._output import outputs_of, shaped
@@ -40,10 +40,8 @@ class FeatureExtraction(nn.Module):
         return outer
 
 
-class PcNbv(nn.Module):
-    """PC-NBV: a partial cloud, and with the view state where the camera has been, to a score for every candidate view.
-
-    Shapes: points (B, N, 3), mask (B, N), view state (B, V) to (B, V), or (B, V, 2) with uncertainty.
+class PcNbv(ScoreNetwork):
+    """PC-NBV.
 
     Source: Zeng et al. 2020; without the view state Pop and Tamas 2022. Their public code feeds that network a constant view
     state, which is a bias; here the columns are left out.
@@ -51,27 +49,16 @@ class PcNbv(nn.Module):
 
     def __init__(self, settings: NetworkSettings) -> None:
         """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
-        super().__init__()
-        self.settings = settings
+        super().__init__(settings)
         self.features = FeatureExtraction(settings)
         channels = 2 * self.features.channels + (settings.views if settings.with_view_state else 0)
         self.attention = SelfAttention(channels)
         self.shared = Perceptron((channels, *settings.shared))
         self.head = Perceptron((settings.shared[-1], *settings.head, outputs_of(settings)))
 
-    def forward(self, points: Tensor, mask: Tensor | None = None, view_state: Tensor | None = None) -> Tensor:
-        """Return scores: the present view first without the view state, in rig order with it.
-
-        Args:
-            points: (B, N, 3) points, normalised as the network was trained; the padding may be any finite numbers.
-            mask: (B, N) which points are real, at least one per cloud; None for all.
-            view_state: (B, V) 1 for visited views; None for a network without it.
-
-        Raises:
-            ConfigError: If shapes do not fit, or a view state is missing or not wanted.
-        """
-        mask, state = prepared(points, mask, view_state, self.settings)
+    def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
+        """Return the scores, one step of Fig. 7 per line."""
         local = self.features(points, mask)  # (B, N, 264)
-        cloud = pooled(local, mask) if state is None else torch.cat((pooled(local, mask), state), dim=-1)  # (B, 264 (+ V))
+        cloud = joined(pooled(local, mask), view_state)  # (B, 264 (+ V))
         seen = self.attention(local, cloud, mask)  # (B, N, 528 (+ V))
         return shaped(self.head(pooled(self.shared(seen), mask)), self.settings)

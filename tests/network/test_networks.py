@@ -1,0 +1,195 @@
+"""The networks: their size, their slow twins, and the laws of points, clouds and padding."""
+
+from typing import get_args
+
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from torch import Tensor
+
+from tests.oracles import network as oracle
+from viewgain.errors import ConfigError
+from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, parameters_of, scores_of, sigma_of
+
+KINDS = get_args(Kind)
+
+
+@pytest.fixture(autouse=True)
+def _one_thread() -> None:
+    torch.set_num_threads(1)
+
+
+def seeded(seed: int) -> torch.Generator:
+    return torch.Generator().manual_seed(seed)
+
+
+def small(kind: Kind, *, seed: int = 0, uncertainty: str = "none", views: int = 5) -> ScoreNetwork:
+    """A narrow network in double precision whose attention is at work."""
+    settings = NetworkSettings(
+        kind=kind, views=views, neighbours=6, growth=4, shared=(24, 20), head=(16, 12), width=8, uncertainty=uncertainty
+    )
+    network = build(settings, generator=seeded(seed)).double()
+    with torch.no_grad():
+        for name, parameter in network.named_parameters():
+            if name.endswith("bias"):
+                parameter.uniform_(-0.3, 0.3, generator=seeded(seed + 1))
+            if name.endswith("gamma"):
+                parameter.fill_(0.7)
+    return network
+
+
+def cloud(number: int, *, seed: int = 0, batch: int = 1) -> Tensor:
+    return torch.rand(batch, number, 3, generator=seeded(seed), dtype=torch.double) - 0.5
+
+
+def state_for(network: ScoreNetwork, batch: int, *, seed: int = 0) -> Tensor | None:
+    if not network.settings.with_view_state:
+        return None
+    return (torch.rand(batch, network.settings.views, generator=seeded(seed)) < 0.4).double()
+
+
+@pytest.mark.parametrize(
+    ("kind", "views", "parameters"),
+    [("pc_nbv", 33, 3828956), ("pc_nbv_noview", 33, 3741490), ("pc_nbv", 16, 3779257), ("pc_nbv_noview", 16, 3737121)],
+)
+def test_the_paper_size_networks_have_about_3_7_million_parameters(kind: Kind, views: int, parameters: int) -> None:
+    """Counted by hand: lift 96, edges 6,480, between them 10,440, attention, 1024-1024, 1024-512-256-V."""
+    width = 528 + (views if kind == "pc_nbv" else 0)
+    quarter = width // 4
+    attention = 2 * (width + 1) * quarter + (width + 1) * width + 1
+    shared = (width + 1) * 1024 + 1025 * 1024
+    head = 1025 * 1024 + 1025 * 512 + 513 * 256 + 257 * views
+    assert 96 + 4 * (49 + 37 + 49) * 12 + (85 + 145 + 205) * 24 + attention + shared + head == parameters
+    network = build(NetworkSettings(kind=kind, views=views), generator=seeded(0))
+    assert parameters_of(network) == parameters
+    assert network.features.channels == 264
+
+
+def test_the_compact_networks_are_a_tenth_of_the_size() -> None:
+    assert parameters_of(build(NetworkSettings(kind="compact"), generator=seeded(0))) < 3_741_490 / 9
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("number", [1, 2, 5, 7, 40])
+def test_the_fast_network_equals_its_textbook_twin_forward_and_gradient(kind: Kind, number: int) -> None:
+    network, points = small(kind), cloud(number, seed=number)
+    state = state_for(network, 1)
+    slow = oracle.pc_nbv if kind.startswith("pc_nbv") else oracle.compact
+    weights = torch.rand(5, generator=seeded(3), dtype=torch.double)
+    results = []
+    for forward in (
+        lambda: network(points, None, state)[0],
+        lambda: slow(network, points[0], None if state is None else state[0]),
+    ):
+        network.zero_grad()
+        output = forward()
+        (output * weights).sum().backward()
+        results.append((output.detach().clone(), {n: p.grad.clone() for n, p in network.named_parameters()}))
+    (fast, fast_gradient), (textbook, textbook_gradient) = results
+    torch.testing.assert_close(fast, textbook, rtol=0, atol=1e-12)
+    for name, gradient in fast_gradient.items():
+        torch.testing.assert_close(gradient, textbook_gradient[name], rtol=0, atol=1e-11, msg=name)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=10)
+@given(number=st.integers(2, 30), seed=st.integers(0, 1000))
+def test_the_order_of_points_changes_nothing(kind: Kind, number: int, seed: int) -> None:
+    network, points = small(kind), cloud(number, seed=seed)
+    order, state = torch.randperm(number, generator=seeded(seed)), state_for(network, 1, seed=seed)
+    torch.testing.assert_close(network(points[:, order], None, state), network(points, None, state), rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_clouds_of_a_batch_do_not_know_each_other(kind: Kind) -> None:
+    network, points = small(kind), cloud(20, batch=4)
+    state = state_for(network, 4)
+    together = network(points, None, state)
+    alone = [network(points[i : i + 1], None, None if state is None else state[i : i + 1]) for i in range(4)]
+    torch.testing.assert_close(together, torch.cat(alone), rtol=0, atol=1e-12)
+    assert (together[0] - together[1]).abs().max() > 1e-6  # else the above says nothing
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=10)
+@given(number=st.integers(1, 25), padding=st.integers(1, 20), seed=st.integers(0, 1000))
+def test_padding_changes_nothing(kind: Kind, number: int, padding: int, seed: int) -> None:
+    network, points = small(kind), cloud(number, seed=seed)
+    state = state_for(network, 1, seed=seed)
+    filled = torch.cat((points, 100 * cloud(padding, seed=seed + 1)), dim=1)
+    mask = torch.arange(number + padding)[None] < number
+    torch.testing.assert_close(network(filled, mask, state), network(points, None, state), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_padding_gets_no_gradient(kind: Kind) -> None:
+    network, points = small(kind), cloud(30).requires_grad_()
+    mask = torch.arange(30)[None] < 18
+    network(points, mask, state_for(network, 1)).sum().backward()
+    assert points.grad[:, 18:].abs().max() == 0
+    assert points.grad[:, :18].abs().max() > 0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=10)
+@given(number=st.integers(1, 20), seed=st.integers(0, 1000))
+def test_a_repeated_point_counts_once(kind: Kind, number: int, seed: int) -> None:
+    network, points = small(kind), cloud(number, seed=seed)
+    again = torch.randint(number, (15,), generator=seeded(seed))
+    state = state_for(network, 1, seed=seed)
+    filled = torch.cat((points, points[:, again]), dim=1)
+    torch.testing.assert_close(network(filled, None, state), network(points, None, state), rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("kind", ["pc_nbv", "compact_view"])
+def test_the_view_state_counts(kind: Kind) -> None:
+    network, points = small(kind), cloud(20)
+    states = torch.eye(5, dtype=torch.double)
+    outputs = torch.cat([network(points, None, state[None]) for state in states])
+    assert torch.cdist(outputs, outputs).fill_diagonal_(1.0).min() > 1e-6
+
+
+def test_the_same_generator_builds_the_same_network_and_the_global_one_stays() -> None:
+    settings = NetworkSettings(kind="compact", views=4, width=8)
+    before = torch.get_rng_state()
+    first, second = (build(settings, generator=seeded(5)) for _ in range(2))
+    assert torch.equal(before, torch.get_rng_state())
+    for one, other in zip(first.parameters(), second.parameters(), strict=True):
+        assert torch.equal(one, other)
+    assert any(not torch.equal(a, b) for a, b in zip(first.parameters(), build(settings).parameters(), strict=True))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_uncertainty_gives_a_positive_number_per_view_and_leaves_the_shape_of_scores(kind: Kind) -> None:
+    network, points = small(kind, uncertainty="gaussian"), cloud(20, batch=3)
+    output = network(points, None, state_for(network, 3))
+    assert output.shape == (3, 5, 2)
+    assert scores_of(output).shape == (3, 5)
+    assert sigma_of(output).min() > 0
+    plain = small(kind)(points, None, state_for(network, 3))
+    assert scores_of(plain) is plain
+    assert sigma_of(plain) is None
+
+
+def test_what_does_not_fit_is_refused_in_one_line() -> None:
+    network, told = small("compact"), small("pc_nbv")
+    points, mask = cloud(8), torch.ones(1, 8, dtype=torch.bool)
+    for act in (
+        lambda: network(points[0]),
+        lambda: network(points[..., :2]),
+        lambda: network(points, mask[:, :7]),
+        lambda: network(points, mask.double()),
+        lambda: network(points, mask, torch.zeros(1, 5)),
+        lambda: told(points, mask),
+        lambda: told(points, mask, torch.zeros(1, 4)),
+        lambda: told(points, mask, torch.zeros(2, 5)),
+        lambda: NetworkSettings(kind="transformer"),
+        lambda: NetworkSettings(uncertainty="some"),
+        lambda: NetworkSettings(views=0),
+        lambda: NetworkSettings(shared=()),
+        lambda: NetworkSettings(head=(16, 0)),
+    ):
+        with pytest.raises(ConfigError) as caught:
+            act()
+        assert "\n" not in str(caught.value)

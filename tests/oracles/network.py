@@ -1,0 +1,67 @@
+"""PC-NBV as a textbook has it: one cloud at a time, real points only, edges laid into memory whole, features repeated and joined.
+
+It takes the parameters of a fast network by name and shares no layer with it.
+"""
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import linear
+
+
+def nearest_by_hand(features: Tensor, count: int) -> Tensor:
+    """Return (n, min(k, n - 1)) the nearest other points of (n, C) features, each distance from its own subtraction."""
+    apart = (features[:, None] - features[None]).square().sum(-1)
+    rows = [[j for j in torch.argsort(row).tolist() if j != i][:count] for i, row in enumerate(apart)]
+    return torch.tensor(rows if len(features) > 1 else [[0]])
+
+
+def dense_edge_conv(block: nn.Module, features: Tensor, neighbours: Tensor) -> Tensor:
+    """Return (n, C + 3 growth) from (n, C) by edges (n, k, 2C)."""
+    centre = features[:, None].expand(-1, neighbours.shape[1], -1)
+    edges = torch.cat((centre, features[neighbours] - centre), dim=-1)
+    layers = torch.cat((torch.relu(block.first(edges)), centre), dim=-1)
+    layers = torch.cat((torch.relu(block.middle(layers)), layers), dim=-1)
+    layers = torch.cat((block.last(layers), layers), dim=-1)
+    return layers.max(dim=1).values
+
+
+def edge_max(block: nn.Module, features: Tensor, neighbours: Tensor) -> Tensor:
+    """Return (n, out) from (n, C): a layer on (x_i, x_j), relu, then the maximum."""
+    centre = features[:, None].expand(-1, neighbours.shape[1], -1)
+    weight = torch.cat((block.own.weight, block.other.weight), dim=1)
+    edges = torch.cat((centre, features[neighbours]), dim=-1)
+    return torch.relu(linear(edges, weight, block.own.bias)).max(dim=1).values
+
+
+def on_joined(layer: nn.Linear, points: Tensor, cloud: Tensor) -> Tensor:
+    """Return (n, out) of a layer on points with the cloud's feature repeated beside each."""
+    return linear(torch.cat((points, cloud.expand(len(points), -1)), dim=-1), layer.weight, layer.bias)
+
+
+def pc_nbv(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Tensor:
+    """Return the (outputs,) of one cloud (n, 3), view state (V,) or None."""
+    extraction, count = network.features, network.settings.neighbours
+    features = extraction.lift(points)
+    for index, block in enumerate(extraction.blocks):
+        narrow = features if index == 0 else torch.relu(extraction.narrow[index - 1](features))
+        features = torch.cat((dense_edge_conv(block, narrow, nearest_by_hand(narrow.detach(), count)), features), dim=-1)
+    cloud = features.max(dim=0, keepdim=True).values
+    cloud = cloud if view_state is None else torch.cat((cloud, view_state[None]), dim=-1)
+    unit = network.attention
+    query, key, value = (torch.relu(on_joined(each, features, cloud)) for each in (unit.query, unit.key, unit.value))
+    joined = torch.cat((features, cloud.expand(len(features), -1)), dim=-1)
+    attended = unit.gamma * (torch.softmax(query @ key.T, dim=-1) @ value) + joined
+    return network.head(network.shared(attended).max(dim=0).values)
+
+
+def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Tensor:
+    """Return the (outputs,) of one cloud (n, 3), view state (V,) or None."""
+    neighbours = nearest_by_hand(points, network.settings.neighbours)
+    layers = [torch.relu(network.lift(points))]
+    for edge in network.edges:
+        layers.append(edge_max(edge, layers[-1], neighbours))
+    local = torch.relu(network.local(torch.cat(layers, dim=-1)))
+    cloud = local.max(dim=0, keepdim=True).values
+    cloud = cloud if view_state is None else torch.cat((cloud, view_state[None]), dim=-1)
+    wide = network.wide(torch.relu(on_joined(network.beside, local, cloud)))
+    return network.head(torch.relu(wide.max(dim=0).values))
