@@ -13,7 +13,7 @@ from rich.progress import Progress as Bar
 from viewgain.cli._exit import DIVERGED, NOT_WRITTEN, print_error
 from viewgain.cli._training_commands import Train
 from viewgain.errors import ConfigError, MissingExtraError, StorageError
-from viewgain.training import REASONS, Means, Outcome, Progress, RunFolder, TrainingRecipe, resume, start, training_recipe
+from viewgain.training import REASONS, Means, Outcome, Progress, RunFolder, TrainingRecipe, leads, resume, start, training_recipe
 
 PICTURE = "curves.png"
 """File of the loss curves in the run's folder."""
@@ -63,14 +63,19 @@ def _device(name: str) -> str:
 
 
 def _say(outcome: Outcome, folder: Path) -> int:
-    """Print how it ended, and draw the curves; processes of torchrun other than the first know no best weights and say nothing."""
-    _draw(folder)
+    """Print how it ended, and draw the curves; of the processes of torchrun only the first one speaks."""
+    if leads():
+        _draw(folder)
+        _print(outcome, folder)
+    return DIVERGED if outcome.reason == "not_finite" else 0
+
+
+def _print(outcome: Outcome, folder: Path) -> None:
     best = outcome.best
     if best is not None:
         shares = f"exact {best['exact']:.1%}, within 0.05 {best['within_0.05']:.1%} of {best['samples']:,} samples"
         print(f"{folder}: best weights are of step {best['step']:,}: {shares}")
     print(f"{folder}: ended after {outcome.step:,} steps: {REASONS[outcome.reason]}")
-    return DIVERGED if outcome.reason == "not_finite" else 0
 
 
 def _draw(folder: Path) -> None:
@@ -90,7 +95,7 @@ def _bar(total: int) -> Iterator[Callable[[int, Progress], None]]:
         TextColumn("steps"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[words]}"),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
-    with Bar(*columns, console=Console(stderr=True)) as bar:
+    with Bar(*columns, console=Console(stderr=True), disable=not leads()) as bar:
         task = bar.add_task("steps", total=total, words="")
 
         def watch(step: int, progress: Progress) -> None:

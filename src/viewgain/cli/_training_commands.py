@@ -39,3 +39,9 @@ class Export:
     """Folder of the run."""
     out: Path
     """File to write, .onnx."""
+    source: str | None = None
+    """What the training data is, for the card; default the name of its recipe."""
+    licence: str | None = None
+    """Licence of the training data, with --source."""
+    metrics: Path | None = None
+    """JSON list of further figures for the card: name, split, value, interval, floors, unit."""

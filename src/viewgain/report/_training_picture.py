@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from viewgain.report._colours import FIT, INK, SMALL, TRUTH
+from viewgain.report._colours import FIT, INK, ON_BOX, SMALL
 from viewgain.report._style import new_figure, plain_axes, title
 
 _SHARES = {"exact": ("best view", FIT, "-"), "within_0.05": ("within 0.05", FIT, "--")}
@@ -25,7 +25,7 @@ def training_figure(lines: Sequence[Mapping[str, Any]]) -> Figure:
     steps = [line["step"] for line in looks]
     logged = [line for line in lines if "loss" in line]
     _curve(upper, [line["step"] for line in logged], [line["loss"] for line in logged], "training", INK, "-")
-    _curve(upper, steps, [line["validation"]["loss"] for line in looks], "validation", TRUTH, "-")
+    _curve(upper, steps, [line["validation"]["loss"] for line in looks], "validation", ON_BOX, "-")
     for name, (label, colour, line_style) in _SHARES.items():
         _curve(lower, steps, [line["validation"].get(name, float("nan")) for line in looks], label, colour, line_style)
     if any(line["loss"] > 0 for line in logged):

@@ -18,6 +18,7 @@ from viewgain.training._load import Trained as Trained
 from viewgain.training._load import load_trained as load_trained
 from viewgain.training._ranks import Alone as Alone
 from viewgain.training._ranks import Ranks as Ranks
+from viewgain.training._ranks import leads as leads
 from viewgain.training._ranks import ranks as ranks
 from viewgain.training._recipe_file import TRAINING_RECIPES as TRAINING_RECIPES
 from viewgain.training._recipe_file import training_recipe as training_recipe

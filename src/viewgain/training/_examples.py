@@ -50,7 +50,7 @@ class Examples:
 
 
 def load_examples(data: Dataset, settings: DataSettings, *, views: int, seed: int) -> Examples:
-    """Return the samples that a recipe learns from: those that train in its division, or all.
+    """Return the samples that a recipe learns from: those that train in each of its divisions.
 
     Args:
         data: The data set.
@@ -63,9 +63,11 @@ def load_examples(data: Dataset, settings: DataSettings, *, views: int, seed: in
         ConfigError: If there is no such division.
     """
     check_data(data, settings, views=views)
-    chosen = data.part(settings.division, "train") if settings.division else np.arange(len(data))
+    chosen = np.arange(len(data))
+    for division in settings.divisions:
+        chosen = np.intersect1d(chosen, data.part(division, "train"))
     if len(chosen) == 0:
-        raise DataError(f"{data.folder}: got no sample that trains in division {settings.division!r}; name another division")
+        raise DataError(f"{data.folder}: got no sample that trains in {' and '.join(settings.divisions)}; change the divisions")
     return _stacked(data, chosen, settings, views=views, seed=seed)
 
 

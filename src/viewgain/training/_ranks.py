@@ -96,3 +96,8 @@ class Torchrun:
 def ranks(device: str) -> Ranks:
     """Return the group that ``torchrun`` put this process into, or one of this process alone."""
     return Torchrun(device) if int(os.environ.get("WORLD_SIZE", "1")) > 1 else Alone()
+
+
+def leads() -> bool:
+    """Return whether this process is the one that writes and speaks."""
+    return os.environ.get("RANK", "0") == "0"

@@ -11,7 +11,18 @@ from viewgain.errors import ConfigError
 from viewgain.network import LossSettings, NetworkSettings
 from viewgain.training._settings import DataSettings, TrainingRecipe, TrainingSettings
 
-TRAINING_RECIPES = ("tiny", "pc_nbv", "pc_nbv_noview", "compact", "compact_view", "compact_fast", "compact_fast_view")
+TRAINING_RECIPES = (
+    "tiny",
+    "pc_nbv",
+    "pc_nbv_noview",
+    "pc_nbv_noview_short",
+    "pc_nbv33",
+    "compact",
+    "compact_view",
+    "compact_view33",
+    "compact_fast",
+    "compact_fast_view",
+)
 """Names of the recipes that come with the package."""
 _KEYS = ("makes", "network", "data", "training", "loss")
 

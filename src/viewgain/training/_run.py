@@ -18,8 +18,10 @@ from viewgain.training._checkpoint import Checkpoint, newest_good, require_safet
 from viewgain.training._data import held_out, open_data
 from viewgain.training._examples import Examples, load_examples
 from viewgain.training._facts import versions
+from viewgain.training._floors import floors
 from viewgain.training._folder import RunFolder, RunRecord
 from viewgain.training._ranks import Ranks, ranks
+from viewgain.training._rig import rig_of
 from viewgain.training._session import Session
 from viewgain.training._settings import TrainingRecipe
 from viewgain.training._symmetry import symmetries
@@ -125,7 +127,9 @@ def _run(
             session.restore(checkpoint)
             progress = Progress(**{name: checkpoint.state[name] for name in ("best", "stale", "seconds")})
         if group.rank == 0:
-            _open_folder(folder, recipe, data, _facts(session, examples, aside, means, group), session.step, is_fresh=is_fresh)
+            _open_folder(
+                folder, recipe, data, _facts(session, data, examples, aside, means, group), session.step, is_fresh=is_fresh
+            )
         watching = watch if watch is not None and group.rank == 0 else lambda step, progress: None
         return train(
             session,
@@ -162,7 +166,9 @@ def _batches(recipe: TrainingRecipe, examples: Examples, aside: NDArray[np.bool_
     )
 
 
-def _facts(session: Session, examples: Examples, aside: NDArray[np.bool_], means: Means, group: Ranks) -> dict[str, Any]:
+def _facts(
+    session: Session, data: Dataset, examples: Examples, aside: NDArray[np.bool_], means: Means, group: Ranks
+) -> dict[str, Any]:
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": versions(),
@@ -171,6 +177,9 @@ def _facts(session: Session, examples: Examples, aside: NDArray[np.bool_], means
         "threads": torch.get_num_threads(),
         "processes": group.size,
         "parameters": parameters_of(session.model),
+        "rig": rig_of(data.manifest),
+        "data_recipe": data.manifest.recipe["name"],
+        "floors": floors(examples, aside),
         "training": _counts(examples.objects[~aside]),
         "validation": _counts(examples.objects[aside]),
     }

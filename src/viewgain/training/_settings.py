@@ -29,8 +29,8 @@ class DataSettings:
     """Frame that the points must be in."""
     target: str = "gain_published"
     """Which scores of the data set are learned."""
-    division: str = ""
-    """Learn from part ``train`` of this division; empty to learn from all samples."""
+    divisions: tuple[str, ...] = ()
+    """Learn from what is in part ``train`` of each of these divisions; empty to learn from all samples."""
     validation_share: float = 0.1
     """Share of the objects that are kept out of training to watch it; whole objects, drawn with the seed."""
     resident: int = 1024
