@@ -7,6 +7,8 @@ from benchmarks import (
     accuracy,
     calibration,
     closed_loop,
+    data,
+    data_labels,
     enclosing,
     fusion,
     lines,
@@ -35,6 +37,8 @@ BENCHMARKS = {
     "stacks": stacks.run,
     "not-a-box": not_a_box.run,
     "enclosing": enclosing.run,
+    "data": data.run,
+    "data-labels": data_labels.run,
 }
 
 
@@ -46,7 +50,7 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504) and enclosing (500)",
+        " (504), enclosing (500) and data-labels (meshes; 20)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"

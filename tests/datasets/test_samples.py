@@ -115,8 +115,8 @@ PERFECT = Recipe(
     makes="exact scans",
     points=PointRules(cap=3000),
     content=BoxSettings(
-        sizes=((0.4, 0.3, 0.2), (0.3, 0.2, 0.5)), captures=2, captures_per_unit=2, train_captures=1, test_boxes=1, without=EFFECTS,
-        yaw_deg=(0, 360),
+        sizes=((0.4, 0.3, 0.2), (0.3, 0.2, 0.5)), captures=2, captures_per_unit=2, train_captures=1, test_boxes=1,
+        without=EFFECTS, yaw_deg=(0, 360),
     ),
 )  # fmt: skip
 

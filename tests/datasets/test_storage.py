@@ -106,8 +106,7 @@ def test_a_damaged_file_is_refused_or_found_out(tmp_path_factory: pytest.TempPat
     body = whole.index(b"}}") + 2
     try:
         opened(path)
-    except DataError as error:
-        assert "--resume" in str(error)
+    except DataError:
         assert not intact(path)
         return
     if cut is not None or place >= body + 8:

@@ -62,6 +62,20 @@ def test_near_pairs_are_those_of_the_whole_table(search: Search, seed: int) -> N
 
 
 @pytest.mark.parametrize("search", SEARCHES)
+@given(seed=SEEDS)
+def test_dense_clouds_too(search: Search, seed: int) -> None:
+    # Many points within one reach, as in an image: here most are settled by the small cube they lie in.
+    rng = np.random.default_rng(seed)
+    patch = rng.random((300, 3)) * [1.0, 1.0, 0.02]
+    points, others = patch + rng.normal(0, 0.002, patch.shape), patch[rng.random(300) < rng.random()]
+    reach = float(rng.uniform(0.02, 0.2))
+    distances = ((points[:, None] - others[None]) ** 2).sum(axis=2)
+    clear = np.all(np.abs(distances / reach**2 - 1) > 1e-9, axis=1)  # here sums may be rounded another way
+    touched = near_any(points, np.flatnonzero(clear), others, reach, search=search)
+    np.testing.assert_array_equal(touched, np.any(distances < reach**2, axis=1)[clear])
+
+
+@pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("rule", ["published", "union"])
 @given(seed=SEEDS)
 def test_labels_are_those_of_the_accumulated_cloud(search: Search, rule: str, seed: int) -> None:
@@ -245,3 +259,12 @@ def test_far_flung_points_cost_no_memory(search: Search) -> None:
     surface = np.array([[0.0, 0, 0], [1e9, 1e9, 1e9]])
     covered = cover([np.array([[0.5, 0.0, 0.0], [-1e12, 0, 0]]), np.array([[1e9, 1e9, 1e9]])], surface, 1.0, search=search)
     assert [covered.mask(view).tolist() for view in range(2)] == [[True, False], [False, True]]
+    labels = greedy_labels(covered, first=0, steps=1)
+    assert labels.gains_published.tolist() == [[0, 0.5]]
+    near = np.array([[0.9, 0, 0], [1.1, 0, 0], [-1e12, 0.5, 0], [1e12, 0, 0]])
+    assert near_any(near, np.arange(4), np.array([[0.0, 0, 0], [-1e12, 0, 0]]), 1.0, search=search).tolist() == [
+        True,
+        False,
+        True,
+        False,
+    ]

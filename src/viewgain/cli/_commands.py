@@ -172,7 +172,7 @@ class DatasetBuild:
     recordings: Path | None = None
     """Folder of your own scans, box/position/files, for recipes that read them."""
     errors: tuple[str, ...] = ()
-    """Then also the volume errors of every scan by these estimators: default, lines_published, lines_mended, corners_mended, ..."""
+    """Then also the volume errors of every scan by these estimators: default, lines_published, lines_mended, ..."""
     seed: int | None = None
     """Source of all randomness; default the recipe's."""
     workers: int = 1

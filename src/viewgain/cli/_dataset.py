@@ -19,6 +19,7 @@ from viewgain.datasets import (
     Manifest,
     add_volume_errors,
     build,
+    check_estimators,
     engine,
     estimators_of,
     export_hf,
@@ -59,6 +60,7 @@ def _build(command: DatasetBuild) -> int:
     if command.ray_address is not None and command.engine != "ray":
         raise ConfigError("got --ray-address without --engine ray; add it")
     plan = plan_of(chosen, meshes=_absolute(command.meshes), recordings=_absolute(command.recordings))
+    check_estimators(plan, command.errors)
     runner = engine(command.engine, workers=command.workers, address=command.ray_address)
     with _bar("units") as watch:
         manifest = build(plan, command.out, engine=runner, resume=command.resume, watch=watch)

@@ -34,3 +34,4 @@ from viewgain.datasets._torch import collated as collated
 from viewgain.datasets._verify import estimators_of as estimators_of
 from viewgain.datasets._verify import verify as verify
 from viewgain.datasets._volume_errors import add_volume_errors as add_volume_errors
+from viewgain.datasets._volume_errors import check_estimators as check_estimators

@@ -1,11 +1,12 @@
 """Boxes on a floor: each is scanned many times from each station, so that the spread of a station's volume errors can be seen."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from viewgain.arrays import Points, Pose
 from viewgain.camera import Sensor
 from viewgain.datasets._points import kept
 from viewgain.datasets._sample import Sample
@@ -64,38 +65,41 @@ class BoxMaker:
         stations = setup.stations()
         reachable = np.array([reason is None for reason in setup.reasons(stations)])
         for number in captures:
-            key = (unit.object, SCAN, view, number)
-            rng = generator(self._recipe.seed, key)
+            rng = generator(self._recipe.seed, (unit.object, SCAN, view, number))
             present = setup.stations(rng)[view]
             scan = _scan(setup, present, rng)
             if isinstance(scan, str):
                 yield Skipped(unit=unit.number, name=f"{unit.name.rpartition('/')[0]}/{number:04d}", reason=scan), None
                 continue
-            box = setup.caster.scene.boxes[0].in_frame(inverse(present))
             points = kept(scan.points, self._recipe.points, rng=rng)
-            in_object = self._recipe.points.frame == "object"
-            yield (
-                Sample(
-                    points=transform(inverse(box.box_to_camera), points) if in_object else points,
-                    frame=self._recipe.points.frame,
-                    view=view,
-                    state=only_first(len(stations)),
-                    candidates=seen_from(view, present, stations),
-                    reachable=np.roll(reachable, -view),
-                    camera=setup.camera.name,
-                    noise=setup.noise,
-                    object=unit.object,
-                    category=unit.category,
-                    dims=box.extents,
-                    object_to_camera=box.box_to_camera,
-                    coverage=np.nan,
-                    step=0,
-                    capture=number,
-                    seed=key,
-                    splits={"same_box": "train" if number < self._content.train_captures else "test", **unit.splits},
-                ),
-                scan,
-            )
+            sample = self._sample(unit, setup, points, present, number)
+            candidates = seen_from(view, present, stations)
+            yield replace(sample, candidates=candidates, reachable=np.roll(reachable, -view)), scan
+
+    def _sample(self, unit: Unit, setup: Setup, points: Points, present: Pose, number: int) -> Sample:
+        """Return what a scan from a pose is a sample of; the candidates are still to be filled in."""
+        view, count = unit.source[0], len(setup.rig.stations)
+        box = setup.caster.scene.boxes[0].in_frame(inverse(present))
+        in_object = self._recipe.points.frame == "object"
+        return Sample(
+            points=transform(inverse(box.box_to_camera), points) if in_object else points,
+            frame=self._recipe.points.frame,
+            view=view,
+            state=only_first(count),
+            candidates=np.zeros((count, 4, 4)),
+            reachable=np.zeros(count, dtype=bool),
+            camera=setup.camera.name,
+            noise=setup.noise,
+            object=unit.object,
+            category=unit.category,
+            dims=box.extents,
+            object_to_camera=box.box_to_camera,
+            coverage=np.nan,
+            step=0,
+            capture=number,
+            seed=(unit.object, SCAN, view, number),
+            splits={"same_box": "train" if number < self._content.train_captures else "test", **unit.splits},
+        )
 
     def _viewer(self, box: int) -> "_Viewer":
         """Return what looks at a box, and the generator that goes on to draw its scene."""
@@ -137,7 +141,7 @@ class _Viewer:
     rng: np.random.Generator
 
 
-def _scan(setup: Setup, present: np.ndarray, rng: np.random.Generator) -> Scan | str:
+def _scan(setup: Setup, present: Pose, rng: np.random.Generator) -> Scan | str:
     """Return a scan, or why there is none."""
     (reason,) = setup.reasons(present[None])
     if reason is not None:

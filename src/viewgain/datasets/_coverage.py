@@ -4,13 +4,12 @@ One ray casting and one search for near points per mesh serve every start and ev
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viewgain.arrays import Points, Pose, Poses
+from viewgain.arrays import Mask, Points, Poses
 from viewgain.datasets._mesh_units import mesh_of, mesh_units
 from viewgain.datasets._points import kept
 from viewgain.datasets._sample import UNKNOWN_DIMS, Sample
@@ -19,8 +18,8 @@ from viewgain.datasets._settings import CoverageSettings, Recipe
 from viewgain.datasets._station import seen_from
 from viewgain.datasets._unit import Made, Masks, Skipped, Unit
 from viewgain.errors import ConfigError
-from viewgain.gain import COVERAGE_PROTOCOLS, Cover, cover, greedy_labels, model_clouds, surface_samples
-from viewgain.geometry import inverse, transform
+from viewgain.gain import COVERAGE_PROTOCOLS, Cover, CoverageLabels, cover, greedy_labels, model_clouds, surface_samples
+from viewgain.geometry import inverse
 from viewgain.rigs import Target, poses, rig
 from viewgain.scans import Scan
 
@@ -106,8 +105,13 @@ class CoverageMaker:
             state[view] = True
             key = (unit.object, START, first, step + 1)
             points = kept(np.concatenate(seen), self._recipe.points, rng=generator(self._recipe.seed, key))
-            object_to_camera: Pose = inverse(self._views[view])
-            sample = Sample(
+            yield self._sample(unit, labels, step, view, points, state)
+
+    def _sample(self, unit: Unit, labels: CoverageLabels, step: int, view: int, points: Points, state: Mask) -> Sample:
+        """Return the sample of one step: its points are in the object's frame until they are placed in the recipe's."""
+        gains = {PUBLISHED: labels.gains_published[step], UNION: labels.gains_union[step]}
+        return self._placed(
+            Sample(
                 points=points,
                 frame="object",
                 view=view,
@@ -119,23 +123,19 @@ class CoverageMaker:
                 object=unit.object,
                 category=unit.category,
                 dims=UNKNOWN_DIMS,
-                object_to_camera=object_to_camera,
+                object_to_camera=inverse(self._views[view]),
                 coverage=float(labels.coverage_union[step]),
                 step=step,
-                capture=first,
-                seed=key,
+                capture=labels.first,
+                seed=(unit.object, START, labels.first, step + 1),
                 splits=unit.splits,
-                targets={
-                    PUBLISHED: np.roll(labels.gains_published[step], -view), UNION: np.roll(labels.gains_union[step], -view)
-                },
-            )  # fmt: skip
-            yield self._placed(sample)
+                targets={name: np.roll(each, -view) for name, each in gains.items()},
+            )
+        )
 
     def _placed(self, sample: Sample) -> Sample:
         """Return the sample in the recipe's frame."""
-        if self._recipe.points.frame == "object":
-            return sample
-        return replace(sample, points=transform(sample.object_to_camera, sample.points), frame="camera")
+        return sample.in_frame(self._recipe.points.frame)
 
 
 def masks_of(unit: Unit, covered: Cover) -> Masks:

@@ -103,7 +103,7 @@ class TorchDataset:
             "index": np.array(index),
         }
         arrays |= {f"target_{name}": np.array(scores, dtype=np.float32) for name, scores in sample.targets.items()}
-        return {name: torch.from_numpy(np.ascontiguousarray(array)) for name, array in arrays.items()}
+        return {name: torch.from_numpy(np.array(array)) for name, array in arrays.items()}
 
 
 def collated(rows: "Sequence[dict[str, Tensor]]") -> "dict[str, Tensor]":

@@ -68,11 +68,7 @@ def add_volume_errors(
         DataError: If the scans do not come out as they are stored: another version of the simulator, or changed recordings.
         StorageError: If something cannot be written.
     """
-    unknown = sorted(set(estimators) - set(ESTIMATORS))
-    if unknown:
-        raise ConfigError(f"got the estimators {unknown}, wanted some of {', '.join(ESTIMATORS)}")
-    if not isinstance(plan.recipe.content, BoxSettings | RecordedSettings):
-        raise ConfigError(f"recipe {plan.recipe.name}: volume errors are of boxes, and this recipe has none")
+    check_estimators(plan, estimators)
     manifest = read_manifest(folder)
     for name in estimators:
         make_folder(folder / ERRORS / name)
@@ -86,6 +82,19 @@ def add_volume_errors(
         _write(folder, manifest, result)
         units, samples = units + result.units, samples + sum(len(errors) for errors in result.errors.values())
         watch(Progress(units=units, total=total, samples=samples, skipped=0))
+
+
+def check_estimators(plan: Plan, estimators: Sequence[str]) -> None:
+    """Refuse estimators that are not known, and any where a recipe is not about boxes.
+
+    Raises:
+        ConfigError: Saying which.
+    """
+    unknown = sorted(set(estimators) - set(ESTIMATORS))
+    if unknown:
+        raise ConfigError(f"got the estimators {unknown}, wanted some of {', '.join(ESTIMATORS)}")
+    if estimators and not isinstance(plan.recipe.content, BoxSettings | RecordedSettings):
+        raise ConfigError(f"recipe {plan.recipe.name}: volume errors are of boxes, and this recipe has none")
 
 
 def shard_errors(task: ErrorTask) -> ShardErrors:

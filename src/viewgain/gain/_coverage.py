@@ -65,8 +65,8 @@ class NewPoints:
     def accumulate(self, view: int) -> None:
         """Accumulate the new points of a view: they, and all points near them, are no longer new."""
         whole = self._cover
-        remaining = np.flatnonzero(self._new)
-        added = whole.points[remaining[self._views[remaining] == view]]
+        own = slice(whole.view_starts[view], whole.view_starts[view + 1])
+        remaining, added = np.flatnonzero(self._new), whole.points[own][self._new[own]]
         known = remaining[near_any(whole.points, remaining, added, whole.reach, search=whole.search)]
         self._new[known] = False
         tally(self._counts, whole.pairs, known, self._views, -1, search=whole.search)

@@ -7,8 +7,11 @@ order in float64. The published scripts compare squares with the same strict sig
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from viewgain.arrays import Ids, Mask, Points, Vector
+from viewgain.gain._compiled import compiled
+from viewgain.gain._kernels import mark_around, sort_into_cubes
 
 MOST_CELLS = 1 << 22
 """Of a grid; beyond it the cubes grow."""
@@ -35,18 +38,47 @@ class Grid:
 
 
 def gridded(points: Points, reach: float) -> Grid:
-    """Return (m, 3) finite points, m >= 1, sorted for searches within ``reach``."""
+    """Return (m, 3) finite points, m >= 1, sorted for searches within ``reach``.
+
+    Raises:
+        MissingExtraError: If numba is not installed.
+    """
     low = points.min(axis=0)
     extents = points.max(axis=0) - low
     side = reach * (1 + SLACK)
     while np.prod(np.floor(extents / side) + 1) > MOST_CELLS:
         side *= 2
     shape = (np.floor(extents / side) + 1).astype(np.int32)
-    x, y, z = np.minimum(((points - low) / side).astype(np.int32), shape - 1).T
-    cells = (z * shape[1] + y) * shape[0] + x
-    order = np.argsort(cells, kind="stable").astype(np.int32)
-    starts = np.concatenate([[0], np.cumsum(np.bincount(cells, minlength=int(np.prod(shape))))]).astype(np.int32)
-    return Grid(low, side, shape, starts, np.ascontiguousarray(points[order]), order)
+    starts, order = compiled(sort_into_cubes)(points, low, side, shape)
+    return Grid(low, side, shape, starts, points[order], order)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surroundings:
+    """Small cubes around points, so small that two points in one are near, and what a cube says of any point in it."""
+
+    low: Vector
+    """(3,) lowest corner, two cubes below the lowest point."""
+    side: float
+    """Of a cube."""
+    status: NDArray[np.uint8]
+    """(z, y, x) cubes: 2 if every point in it is near, 1 if one may be, 0 if none is."""
+
+
+def surroundings(points: Points, reach: float) -> Surroundings:
+    """Return what small cubes say of the nearness to (m, 3) finite points, m >= 1; raises as :func:`gridded`.
+
+    A cube is a little under reach / sqrt(3) wide, so its diagonal is under the reach, and two cubes between two points are more
+    than it. Where there would be too many cubes they grow, and none says 2.
+    """
+    side = reach * (1 - SLACK) / np.sqrt(3)
+    extents = np.ptp(points, axis=0)
+    while np.prod(np.floor(extents / side) + 6) > MOST_CELLS:
+        side *= 2
+    low = points.min(axis=0) - 2 * side
+    status = np.zeros((np.floor(extents / side)[::-1] + 6).astype(int), dtype=np.uint8)
+    compiled(mark_around)(points, low, side, 2 if side < reach / np.sqrt(3) else 1, status)
+    return Surroundings(low, side, status)
 
 
 def are_near(a: Points, b: Points, reach: float) -> Mask:

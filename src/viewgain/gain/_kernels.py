@@ -6,6 +6,25 @@ from numpy.typing import NDArray
 from viewgain.arrays import Ids, Indices, Mask, Points, Vector
 
 
+def sort_into_cubes(points: Points, low: Vector, side: float, shape: Ids) -> tuple[Ids, Ids]:
+    """Return where each cube's points start, and the (m,) points in order of their cubes: :class:`viewgain.gain._grid.Grid`."""
+    starts = np.zeros(shape[0] * shape[1] * shape[2] + 1, np.int32)
+    cubes, order = np.empty(len(points), np.int32), np.empty(len(points), np.int32)
+    for i in range(len(points)):
+        x = min(int((points[i, 0] - low[0]) / side), shape[0] - 1)
+        y = min(int((points[i, 1] - low[1]) / side), shape[1] - 1)
+        z = min(int((points[i, 2] - low[2]) / side), shape[2] - 1)
+        cubes[i] = (z * shape[1] + y) * shape[0] + x
+        starts[cubes[i] + 1] += 1
+    for cube in range(1, len(starts)):
+        starts[cube] += starts[cube - 1]
+    ends = starts.copy()
+    for i in range(len(points)):
+        order[ends[cubes[i]]] = i
+        ends[cubes[i]] += 1
+    return starts, order
+
+
 def find_pairs(
     queries: Points, low: Vector, side: float, shape: Ids, starts: Ids, points: Points, ids: Ids, squared: float
 ) -> tuple[NDArray[np.int64], Ids]:
@@ -42,6 +61,18 @@ def find_pairs(
     return first, found[:total].copy()
 
 
+def mark_around(points: Points, low: Vector, side: float, inside: int, status: NDArray[np.uint8]) -> None:
+    """Mark in ``status``, in place, what is known about small cubes: see :class:`viewgain.gain._grid.Surroundings`."""
+    for i in range(len(points)):
+        x, y, z = int((points[i, 0] - low[0]) / side), int((points[i, 1] - low[1]) / side), int((points[i, 2] - low[2]) / side)
+        if status[z, y, x] != 2:
+            for c in range(z - 2, z + 3):
+                for b in range(y - 2, y + 3):
+                    for a in range(x - 2, x + 3):
+                        status[c, b, a] = max(status[c, b, a], 1)
+            status[z, y, x] = inside
+
+
 def find_touched(
     queries: Points,
     chosen: Indices,
@@ -52,25 +83,40 @@ def find_touched(
     points: Points,
     ids: Ids,
     squared: float,
+    corner: Vector,
+    small: float,
+    status: NDArray[np.uint8],
 ) -> Mask:
-    """Return which of the ``chosen`` queries have a near point; otherwise as :func:`find_pairs`."""
-    touched = np.zeros(len(chosen), np.bool_)
+    """Return which of the ``chosen`` queries have a near point: a grid's parts, the reach squared, its surroundings' parts.
+
+    Most are settled by the small cube they lie in. Of the others, what was near one is tried first on the next, its neighbour in
+    an image; then the grid is searched, the middle row of cubes first.
+    """
+    touched, last = np.zeros(len(chosen), np.bool_), 0
     for i in range(len(chosen)):
         x, y, z = queries[chosen[i], 0], queries[chosen[i], 1], queries[chosen[i], 2]
+        u, v, w = np.floor((x - corner[0]) / small), np.floor((y - corner[1]) / small), np.floor((z - corner[2]) / small)
+        if not (0 <= u < status.shape[2] and 0 <= v < status.shape[1] and 0 <= w < status.shape[0]):
+            continue
+        known = status[int(w), int(v), int(u)]
+        if known != 1:
+            touched[i] = known == 2
+            continue
+        dx, dy, dz = x - points[last, 0], y - points[last, 1], z - points[last, 2]
+        touched[i] = dx * dx + dy * dy + dz * dz < squared
         u, v, w = np.floor((x - low[0]) / side), np.floor((y - low[1]) / side), np.floor((z - low[2]) / side)
-        if -1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]:
-            left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
-            for c in range(max(int(w) - 1, 0), min(int(w) + 2, shape[2])):
-                for b in range(max(int(v) - 1, 0), min(int(v) + 2, shape[1])):
-                    cube = (c * shape[1] + b) * shape[0]
-                    for k in range(starts[cube + left], starts[cube + right]):
-                        dx, dy, dz = x - points[k, 0], y - points[k, 1], z - points[k, 2]
-                        if dx * dx + dy * dy + dz * dz < squared:
-                            touched[i] = True
-                            break
-                    if touched[i]:
-                        break
-                if touched[i]:
+        if touched[i] or not (-1 <= u <= shape[0] and -1 <= v <= shape[1] and -1 <= w <= shape[2]):
+            continue
+        left, right = max(int(u) - 1, 0), min(int(u) + 2, shape[0])
+        for n in range(9):
+            b, c = int(v) + (n + 1) % 3 - 1, int(w) + (n // 3 + 1) % 3 - 1
+            if touched[i] or not (0 <= b < shape[1] and 0 <= c < shape[2]):
+                continue
+            cube = (c * shape[1] + b) * shape[0]
+            for k in range(starts[cube + left], starts[cube + right]):
+                dx, dy, dz = x - points[k, 0], y - points[k, 1], z - points[k, 2]
+                if dx * dx + dy * dy + dz * dz < squared:
+                    touched[i], last = True, k
                     break
     return touched
 

@@ -7,7 +7,7 @@ from scipy.spatial import KDTree
 
 from viewgain.arrays import Indices, Mask, Points
 from viewgain.gain._compiled import Search, compiled, uses_numba
-from viewgain.gain._grid import Grid, are_near, gridded
+from viewgain.gain._grid import Grid, are_near, gridded, surroundings
 from viewgain.gain._kernels import find_pairs, find_touched
 from viewgain.gain._pairs import Pairs
 
@@ -33,7 +33,10 @@ def near_any(points: Points, chosen: Indices, others: Points, reach: float, *, s
     if len(chosen) == 0 or len(others) == 0:
         return np.zeros(len(chosen), dtype=bool)
     if uses_numba(search):
-        return np.asarray(compiled(find_touched)(points, chosen, *_parts(gridded(others, reach)), reach * reach))
+        grid = gridded(others, reach)
+        around = surroundings(grid.points, reach)
+        known = around.low, around.side, around.status
+        return np.asarray(compiled(find_touched)(points, chosen, *_parts(grid), reach * reach, *known))
     return _any_by_tree(points[chosen], others, reach)
 
 
