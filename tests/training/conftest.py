@@ -1,13 +1,15 @@
 """A small real data set, and a recipe that is trained on it in a second."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 import torch
 
-from tests.datasets.conftest import built
-from viewgain.datasets import Dataset
+from tests.datasets.engines import Inline
+from viewgain.datasets import CoverageSettings, Dataset, build, plan_of
+from viewgain.datasets import recipe as data_recipe
 from viewgain.training import TrainingRecipe, training_recipe_from_table
 
 TABLE: dict[str, Any] = {
@@ -37,10 +39,19 @@ def _one_thread() -> None:
     torch.set_num_threads(1)
 
 
+def built_in(folder: Path) -> Dataset:
+    """Build 32 samples: 2 objects from each of 16 views."""
+    tiny = data_recipe("coverage_paper_tiny")
+    assert isinstance(tiny.content, CoverageSettings)
+    every_start = replace(tiny, content=replace(tiny.content, starts=0))
+    build(plan_of(every_start), folder, engine=Inline())
+    return Dataset(folder)
+
+
 @pytest.fixture(scope="session")
 def data(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     """32 samples of 2 objects from 16 views."""
-    return built("coverage_paper_tiny", tmp_path_factory.mktemp("data"))
+    return built_in(tmp_path_factory.mktemp("data"))
 
 
 @pytest.fixture
