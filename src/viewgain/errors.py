@@ -28,6 +28,10 @@ class DataError(ViewgainError, ValueError):
     """A data set cannot be read or continued: missing, unfinished, damaged, or made by another recipe."""
 
 
+class ModelError(ViewgainError, ValueError):
+    """A network file cannot be read or used: missing, damaged, of another program, or at odds with its own card."""
+
+
 class StorageError(ViewgainError, OSError):
     """A data set cannot be written: the disk is full, or the folder cannot be written to."""
 

@@ -10,6 +10,8 @@ except ImportError as error:
 from viewgain.network._build import build as build
 from viewgain.network._build import parameters_of as parameters_of
 from viewgain.network._compact import Compact as Compact
+from viewgain.network._export import export_onnx as export_onnx
+from viewgain.network._export import half_rounded as half_rounded
 from viewgain.network._inputs import ScoreNetwork as ScoreNetwork
 from viewgain.network._losses import LossKind as LossKind
 from viewgain.network._losses import LossSettings as LossSettings

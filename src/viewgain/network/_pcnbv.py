@@ -8,7 +8,7 @@ from torch import Tensor, nn
 
 from viewgain.network._inputs import ScoreNetwork, joined
 from viewgain.network._layers import DenseEdgeConv, Perceptron, SelfAttention, pooled
-from viewgain.network._neighbours import nearest
+from viewgain.network._neighbours import leaning, nearest
 from viewgain.network._output import outputs_of, shaped
 from viewgain.network._settings import NetworkSettings
 
@@ -32,11 +32,12 @@ class FeatureExtraction(nn.Module):
     def forward(self, points: Tensor, mask: Tensor) -> Tensor:
         """Return the features of all points."""
         outer: Tensor = self.lift(points)
+        lean = leaning(points)
         inner = outer
         for index, block in enumerate(self.blocks):
             if index:
                 inner = torch.relu(self.narrow[index - 1](outer))
-            outer = torch.cat((block(inner, nearest(inner, mask, self.neighbours)), outer), dim=-1)
+            outer = torch.cat((block(inner, nearest(inner, mask, self.neighbours, lean)), outer), dim=-1)
         return outer
 
 
