@@ -11,6 +11,8 @@ from viewgain.training._checkpoint import write_checkpoint as write_checkpoint
 from viewgain.training._data import held_out as held_out
 from viewgain.training._examples import Examples as Examples
 from viewgain.training._examples import load_examples as load_examples
+from viewgain.training._export import export_run as export_run
+from viewgain.training._export import read_metrics as read_metrics
 from viewgain.training._folder import RunFolder as RunFolder
 from viewgain.training._folder import RunRecord as RunRecord
 from viewgain.training._folder import recipe_to_table as recipe_to_table

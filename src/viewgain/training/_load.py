@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from torch import nn
 
 from viewgain.errors import TrainingError
-from viewgain.network import build
+from viewgain.network import ScoreNetwork, build
 from viewgain.training._checkpoint import read_checkpoint
 from viewgain.training._folder import RunFolder, RunRecord
 
@@ -18,7 +17,7 @@ from viewgain.training._folder import RunFolder, RunRecord
 class Trained:
     """A network that was trained."""
 
-    module: nn.Module
+    module: ScoreNetwork
     """With the run's best weights, on the CPU, in evaluation mode."""
     record: RunRecord
     """What the run was."""
