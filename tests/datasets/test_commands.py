@@ -14,6 +14,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["boxes", "coverage"])
 def test_two_processes_write_what_none_writes(kind: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     alone: Dataset = request.getfixturevalue(kind)
