@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from viewgain.report._colours import FIT, INK, ON_BOX, SMALL
+from viewgain.report._colours import FAINT, FIT, INK, ON_BOX, SMALL
 from viewgain.report._style import new_figure, plain_axes, title
 
 _SHARES = {"exact": ("best view", FIT, "-"), "within_0.05": ("within 0.05", FIT, "--")}
@@ -32,6 +32,7 @@ def training_figure(lines: Sequence[Mapping[str, Any]]) -> Figure:
         upper.set_yscale("log")
     lower.set_ylim(0, 1)
     plain_axes(upper, "", "loss")
+    upper.tick_params(which="minor", labelsize=SMALL, colors=FAINT, length=1.5, width=0.6)
     plain_axes(lower, "step", "share of validation samples")
     title(upper, "Training")
     for axes in (upper, lower):
