@@ -14,7 +14,7 @@ import viewgain
 
 HEAVY = {"torch", "matplotlib", "jinja2"}
 DRAWING_ROOMS = {"report", "cli"}
-TORCH_ROOMS = {"network"}
+TORCH_ROOMS = {"network", "training"}
 """They are made of torch; every other room may load it inside a function only."""
 ROOMS = sorted({module.name for module in pkgutil.iter_modules(viewgain.__path__)} - DRAWING_ROOMS - TORCH_ROOMS - {"__main__"})
 

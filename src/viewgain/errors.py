@@ -36,6 +36,10 @@ class StorageError(ViewgainError, OSError):
     """A data set cannot be written: the disk is full, or the folder cannot be written to."""
 
 
+class TrainingError(ViewgainError, RuntimeError):
+    """A training run cannot be started, continued or exported: its folder, its checkpoints or its processes are not in order."""
+
+
 def one_line(error: BaseException) -> str:
     """Return the first line of an exception's text, at most 120 characters; its type where it has none."""
     lines = str(error).strip().splitlines()

@@ -8,6 +8,8 @@ NOTHING_MEASURED = 3
 """No box could be measured, or there is nothing to plan for."""
 DAMAGED = 3
 """``viewgain dataset verify`` found damaged or missing files."""
+DIVERGED = 3
+"""``viewgain train`` met a gradient that is not finite."""
 NOT_WRITTEN = 4
 """A data set cannot be written: the disk is full, or the folder cannot be written to."""
 

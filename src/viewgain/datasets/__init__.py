@@ -9,12 +9,15 @@ from viewgain.datasets._engine import LocalEngine as LocalEngine
 from viewgain.datasets._engine import engine as engine
 from viewgain.datasets._estimators import volume_error as volume_error
 from viewgain.datasets._export import export_hf as export_hf
+from viewgain.datasets._files import make_folder as make_folder
+from viewgain.datasets._files import write_whole as write_whole
 from viewgain.datasets._manifest import Manifest as Manifest
 from viewgain.datasets._manifest import read_manifest as read_manifest
 from viewgain.datasets._plan import Plan as Plan
 from viewgain.datasets._plan import plan_of as plan_of
 from viewgain.datasets._recipe_file import RECIPES as RECIPES
 from viewgain.datasets._recipe_file import recipe as recipe
+from viewgain.datasets._recipe_file import record as record
 from viewgain.datasets._sample import Frame as Frame
 from viewgain.datasets._sample import Sample as Sample
 from viewgain.datasets._scores import histogram_scores as histogram_scores

@@ -12,10 +12,13 @@ from viewgain.datasets._settings import CONTENTS, PointRules, Recipe
 from viewgain.errors import ConfigError
 
 T = TypeVar("T")
-RECIPES = tuple(
-    f"{name}{tiny}"
-    for name in ("coverage_paper", "coverage_pcnbv", "boxes_paper", "boxes_recorded", "boxes_random", "meshes_random")
-    for tiny in ("", "_tiny")
+RECIPES = (
+    *(
+        f"{name}{tiny}"
+        for name in ("coverage_paper", "coverage_pcnbv", "boxes_paper", "boxes_recorded", "boxes_random", "meshes_random")
+        for tiny in ("", "_tiny")
+    ),
+    "coverage_learn_tiny",
 )
 """Names of the recipes that come with the package."""
 _TOP = ("makes", "takes", "seed", "units_per_shard", "points", *CONTENTS)

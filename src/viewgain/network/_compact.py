@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 from viewgain.network._inputs import ScoreNetwork, joined
 from viewgain.network._layers import Perceptron, SplitLinear, pooled
-from viewgain.network._neighbours import gathered, nearest_in_space
+from viewgain.network._neighbours import highest, nearest_in_space
 from viewgain.network._output import outputs_of, shaped
 from viewgain.network._settings import NetworkSettings
 
@@ -29,7 +29,7 @@ class EdgeMax(nn.Module):
 
     def forward(self, features: Tensor, rows: Tensor) -> Tensor:
         """Return the features of :class:`EdgeMax`; ``rows`` as :func:`nearest` gives them."""
-        return torch.relu(self.own(features) + gathered(self.other(features), rows).amax(2))
+        return torch.relu(self.own(features) + highest(self.other(features), rows))
 
 
 class Compact(ScoreNetwork):

@@ -69,6 +69,19 @@ def gathered(features: Tensor, rows: Tensor) -> Tensor:
     return torch.nn.functional.embedding(rows, features.flatten(0, 1))
 
 
+def highest(features: Tensor, rows: Tensor) -> Tensor:
+    """Return (B, N, C), the maximum of each channel of (B, N, C) over the neighbours that :func:`nearest` names.
+
+    Where a gradient is wanted, it flows to the one neighbour that has the maximum, straight to its row: less than half the time
+    of the gradient of a maximum, which is as large as all edges.
+    """
+    if not (torch.is_grad_enabled() and features.requires_grad):
+        return gathered(features, rows).amax(2)
+    with torch.no_grad():
+        winner = rows.gather(2, gathered(features, rows).max(2).indices)
+    return features.flatten(0, 1).gather(0, winner.flatten(0, 1)).view_as(features)
+
+
 def unrepeated(points: Tensor, mask: Tensor) -> Tensor:
     """Return (B, N) the mask without points that lie exactly where an earlier real one lies.
 

@@ -1,8 +1,8 @@
 """What this room offers. Drawing and page writing are imported when they are called, so importing the room costs nothing."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from viewgain.arrays import Pose
 from viewgain.box import Box
@@ -79,6 +79,28 @@ def save_scan_picture(scan: Scan, measurement: Measurement, path: Path, next_vie
     if next_view is not None and next_view.candidates:
         figures.append(draw_scene(scan, measurement, next_view, heading="Where next?"))
     write_whole(path, side_by_side([to_png(figure) for figure in figures]))
+    return path
+
+
+def write_training_picture(lines: Sequence[Mapping[str, Any]], path: Path) -> Path:
+    """Save the curves of a training run: losses by step, and how often its choice was the best view.
+
+    Args:
+        lines: The lines of its metrics, ``{"step": ..., "loss": ...}`` and ``{"step": ..., "validation": {...}}``.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If ``path`` cannot be written.
+    """
+    require_extra()
+    from viewgain.report._style import to_png
+    from viewgain.report._training_picture import training_figure
+
+    write_whole(path, to_png(training_figure(lines)))
     return path
 
 

@@ -1,0 +1,117 @@
+"""From a run to an ONNX file with its card: what it was trained on and how, and what it was worth on objects it had not seen."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from viewgain.datasets import record
+from viewgain.errors import TrainingError
+from viewgain.inference import Metric, ModelCard, Source
+from viewgain.network import export_onnx
+from viewgain.training._load import Trained, load_trained
+from viewgain.training._validation import THRESHOLDS
+
+TASK = "How much of an object's surface each of the rig's views would newly cover, from the partial cloud seen so far."
+"""What the scores mean."""
+LIMITS = (
+    "One object alone, without floor or walls around it, of the kinds it was trained on.",
+    "Trained on clouds without noise; the candidate views are those of its rig and no others.",
+)
+"""What a network is not for."""
+
+
+def export_run(
+    run: Path, out: Path, *, sources: Sequence[Source] = (), metrics: Sequence[Metric] = (), limits: Sequence[str] = LIMITS
+) -> ModelCard:
+    """Write the best weights of a run as ONNX, with a card, and return the card.
+
+    Args:
+        run: Folder of the run.
+        out: File to write, .onnx.
+        sources: Training data and its licences; none to name the data recipe, licence not stated.
+        metrics: Figures beside those on the run's validation objects, for instance of an evaluation on other objects.
+        limits: What it is not for.
+
+    Raises:
+        TrainingError: If there is no run, or it has no sound best weights.
+        ConfigError: If the weights do not fit half floats, or ``out`` is no .onnx file.
+        MissingExtraError: If onnx is not installed.
+    """
+    trained = load_trained(run)
+    card = _card(trained, tuple(sources), tuple(metrics), tuple(limits))
+    export_onnx(trained.module, trained.record.recipe.network, card, out)
+    return card
+
+
+def read_metrics(path: Path) -> tuple[Metric, ...]:
+    """Return the figures of a JSON file: a list of objects with the fields of :class:`viewgain.inference.Metric`.
+
+    Raises:
+        TrainingError: If it cannot be read as such a list.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        return tuple(record(Metric, each, f"{path}, figure {number}") for number, each in enumerate(content))
+    except (OSError, ValueError, TypeError) as error:
+        raise TrainingError(f"{path}: cannot be read as a list of figures ({error})") from error
+
+
+def _card(trained: Trained, sources: tuple[Source, ...], metrics: tuple[Metric, ...], limits: tuple[str, ...]) -> ModelCard:
+    recipe, facts = trained.record.recipe, trained.record.facts
+    network = recipe.network
+    return ModelCard(
+        name=recipe.name,
+        task=TASK,
+        kind=network.kind,
+        rig=str(facts["rig"]),
+        views=network.views,
+        points=network.points,
+        frame=recipe.data.frame,
+        normalisation="whole_box",
+        order="rig" if network.with_view_state else "present_first",
+        with_view_state=network.with_view_state,
+        uncertainty=network.uncertainty != "none",
+        trained_on=sources or (_source(facts),),
+        training=_training(trained),
+        metrics=(*_validation(trained), *metrics),
+        limits=limits,
+    )
+
+
+def _source(facts: Any) -> Source:
+    counts = facts["training"]
+    return Source(
+        name=f"data recipe {facts['data_recipe']}",
+        licence="not stated",
+        amount=f"{counts['objects']:,} objects, {counts['samples']:,} samples",
+    )
+
+
+def _training(trained: Trained) -> dict[str, str]:
+    recipe, facts = trained.record.recipe, trained.record.facts
+    return {
+        "recipe": recipe.name,
+        "target": recipe.data.target,
+        "steps": f"{trained.figures['step']} of {recipe.training.iterations}, batch {recipe.training.batch}",
+        "seed": str(recipe.training.seed),
+        "device": str(facts["device_name"] or facts["device"]),
+        "versions": ", ".join(f"{name} {value}" for name, value in facts["versions"].items() if value),
+    }
+
+
+def _validation(trained: Trained) -> tuple[Metric, ...]:
+    """Return the figures on the run's validation objects, which chose the weights and so flatter them a little."""
+    figures, floors = trained.figures, trained.record.facts["floors"]
+    split = f"{trained.record.facts['validation']['objects']} validation objects, which chose the weights"
+    names = {"exact": "exact position"} | {f"within_{limit}": f"within {limit} of the best view" for limit in THRESHOLDS}
+    return tuple(
+        Metric(
+            name=words,
+            split=split,
+            value=100 * figures[name],
+            floors={floor: 100 * shares[name] for floor, shares in floors.items()},
+            unit="%",
+        )
+        for name, words in names.items()
+    )

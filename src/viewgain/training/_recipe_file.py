@@ -1,0 +1,77 @@
+"""Training recipes as TOML files: those that come with the package by name, and the user's own by path."""
+
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from viewgain.datasets import record
+from viewgain.errors import ConfigError
+from viewgain.network import LossSettings, NetworkSettings
+from viewgain.training._settings import DataSettings, TrainingRecipe, TrainingSettings
+
+TRAINING_RECIPES = (
+    "tiny",
+    "pc_nbv",
+    "pc_nbv_noview",
+    "pc_nbv_noview_short",
+    "pc_nbv33",
+    "compact",
+    "compact_view",
+    "compact_view33",
+    "compact_fast",
+    "compact_fast_view",
+)
+"""Names of the recipes that come with the package."""
+_KEYS = ("makes", "network", "data", "training", "loss")
+
+
+def training_recipe(name: str | Path) -> TrainingRecipe:
+    """Return a shipped recipe by name, or the recipe of a TOML file by its path (docs/training.md).
+
+    Raises:
+        ConfigError: If the name is none of :data:`TRAINING_RECIPES` and no readable recipe file; one line that names the key.
+    """
+    if name in TRAINING_RECIPES:
+        text = (resources.files("viewgain.training") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
+        return training_recipe_from_table(_parsed(text, str(name)), str(name))
+    path = Path(name)
+    if path.suffix != ".toml":
+        raise ConfigError(
+            f"training recipe {str(name)!r} is not known; choose one of {', '.join(TRAINING_RECIPES)}, or give a .toml file"
+        )
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{path}: cannot be read as a training recipe: {error}") from error
+    return training_recipe_from_table(_parsed(text, str(path)), path.stem)
+
+
+def training_recipe_from_table(table: Mapping[str, Any], name: str) -> TrainingRecipe:
+    """Return the recipe that a table describes.
+
+    Raises:
+        ConfigError: If a key is unknown or missing, or a value is not what its field is.
+    """
+    where = f"training recipe {name}"
+    unknown = sorted(set(table) - set(_KEYS))
+    if unknown or "network" not in table or not isinstance(table.get("makes"), str):
+        raise ConfigError(
+            f"{where}: got the keys {sorted(table)}, wanted makes (a sentence), network, and any of data, training, loss"
+        )
+    return TrainingRecipe(
+        name=name,
+        makes=table["makes"],
+        network=record(NetworkSettings, table["network"], f"{where}, network"),
+        data=record(DataSettings, table.get("data", {}), f"{where}, data"),
+        training=record(TrainingSettings, table.get("training", {}), f"{where}, training"),
+        loss=record(LossSettings, table.get("loss", {}), f"{where}, loss"),
+    )
+
+
+def _parsed(text: str, where: str) -> Mapping[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(f"training recipe {where}: is not TOML: {error}") from error

@@ -1,0 +1,87 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.training.conftest import TABLE, changed
+from viewgain.datasets import RECIPES
+from viewgain.errors import ConfigError
+from viewgain.rigs import rig
+from viewgain.training import (
+    TRAINING_RECIPES,
+    TrainingSettings,
+    learning_rate,
+    recipe_to_table,
+    training_recipe,
+    training_recipe_from_table,
+)
+
+
+@pytest.mark.parametrize("name", TRAINING_RECIPES)
+def test_every_shipped_recipe_fits_its_data(name: str) -> None:
+    recipe = training_recipe(name)
+    assert recipe.name == name
+    assert recipe.data.recipe in RECIPES
+    assert len(rig(recipe.data.rig).stations) == recipe.network.views
+
+
+def test_the_defaults_are_the_published_values() -> None:
+    settings = training_recipe("pc_nbv").training
+    assert (settings.learning_rate, settings.batch, settings.iterations) == (1e-4, 32, 400_000)
+    assert learning_rate(settings, 49_999) == 1e-4
+    assert learning_rate(settings, 100_000) == pytest.approx(1e-4 * 0.7**2)
+
+
+def test_a_recipe_comes_back_from_its_table() -> None:
+    recipe = changed(loss={"ranking": "listwise"})
+    table = json.loads(json.dumps(recipe_to_table(recipe)))
+    assert training_recipe_from_table({key: value for key, value in table.items() if key != "name"}, table["name"]) == recipe
+
+
+def test_warm_up_rises_and_cosine_falls_to_nothing() -> None:
+    settings = TrainingSettings(iterations=100, learning_rate=1.0, schedule="cosine", warm_up=10)
+    rates = [learning_rate(settings, step) for step in range(100)]
+    assert rates[0] == pytest.approx(0.1)
+    assert max(rates) == rates[9]
+    assert rates[10:] == sorted(rates[10:], reverse=True)
+    assert learning_rate(settings, 100) == 0
+
+
+def test_the_clock_moves_only_the_schedule_that_asks_for_it() -> None:
+    by_step = TrainingSettings(iterations=100, schedule="cosine")
+    by_clock = TrainingSettings(iterations=100, schedule="cosine_clock")
+    assert learning_rate(by_step, 10, clock=0.9) == learning_rate(by_step, 10)
+    assert learning_rate(by_clock, 10, clock=0.9) == pytest.approx(learning_rate(by_step, 90))
+
+
+@pytest.mark.parametrize(
+    ("tables", "word"),
+    [
+        ({"training": {"batch": 0}}, "batch"),
+        ({"training": {"validate_every": 3}}, "validate_every"),
+        ({"training": {"learning_rate": -1.0}}, "learning_rate"),
+        ({"training": {"speed": 3}}, "speed"),
+        ({"data": {"validation_share": 1.0}}, "validation_share"),
+        ({"data": {"frame": "world"}}, "frame"),
+        ({"network": {"kind": "large"}}, "kind"),
+        ({"loss": {"ranking": "best"}}, "ranking"),
+        ({"extra": {}}, "extra"),
+    ],
+)
+def test_a_wrong_recipe_names_the_key(tables: dict[str, dict[str, object]], word: str) -> None:
+    with pytest.raises(ConfigError, match=word):
+        changed(**tables)
+
+
+def test_a_recipe_without_network_is_refused() -> None:
+    with pytest.raises(ConfigError, match="network"):
+        training_recipe_from_table({"makes": TABLE["makes"]}, "quick")
+
+
+@pytest.mark.parametrize("content", ["makes = ", "\x00", "[network]\n"])
+def test_a_file_that_is_no_recipe_is_one_line(content: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(content)
+    with pytest.raises(ConfigError) as caught:
+        training_recipe(path)
+    assert "mine" in str(caught.value)
