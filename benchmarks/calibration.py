@@ -14,6 +14,7 @@ from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.camera import PRESETS, Sensor, sensor
 from viewgain.episodes import World
+from viewgain.errors import ScanError
 from viewgain.geometry import inverse
 from viewgain.measure import Measurement, measure
 from viewgain.scenes import Scene, orbit_pose, random_box
@@ -129,8 +130,12 @@ def outcome(name: str, seed: int, systematic: bool) -> Outcome:
     box = random_box(rng)
     pose, view = _view(rng, box, camera)
     world = World(Scene((box,)), camera, scale=rng.normal(0, camera.scale_sd), offset=rng.normal(0, camera.offset_sd))
-    result = measure(world.scan(pose, pose, rng), camera=camera)
-    return _judged(box.in_frame(inverse(pose)), result, _whole(box, pose, camera), view)
+    seen, whole = box.in_frame(inverse(pose)), _whole(box, pose, camera)
+    try:
+        scan = world.scan(pose, pose, rng)
+    except ScanError:  # next to nothing came back: no volume
+        return _without_box(seen, "no_scan", whole, view)
+    return _judged(seen, measure(scan, camera=camera), whole, view)
 
 
 def _view(rng: np.random.Generator, box: Box, camera: Sensor) -> tuple[Pose, NDArray[np.float64]]:
@@ -151,13 +156,15 @@ def _whole(box: Box, pose: Pose, camera: Sensor) -> bool:
     return bool(np.all((corners[:, 2] > 0) & (u >= 0) & (v >= 0) & (u <= width - 1) & (v <= height - 1)))
 
 
+def _without_box(box: Box, reason: str | None, whole: bool, view: NDArray[np.float64]) -> Outcome:
+    nothing = np.full(4, np.nan)
+    return Outcome(np.array([box.volume, *box.extents]), whole, reason, nothing, nothing, nothing, np.full(3, np.nan), view)
+
+
 def _judged(box: Box, result: Measurement, whole: bool, view: NDArray[np.float64]) -> Outcome:
     """Return the outcome; ``box`` is the true one in the camera's frame."""
-    nothing = np.full(4, np.nan)
     if not result.boxes:
-        return Outcome(
-            np.array([box.volume, *box.extents]), whole, result.reason, nothing, nothing, nothing, np.full(3, np.nan), view
-        )
+        return _without_box(box, result.reason, whole, view)
     best = result.boxes[0]
     along = np.abs(best.box.box_to_camera[:3, :3].T @ box.box_to_camera[:3, :3])
     true = box.extents[[1, 0, 2]] if along[0, 1] > along[0, 0] else box.extents
