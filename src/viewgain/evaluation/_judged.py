@@ -31,7 +31,7 @@ class Judged:
 
 
 def judged_rows(data: Dataset, split: str) -> NDArray[np.intp]:
-    """Return the samples that no network has seen, first steps only.
+    """Return the samples that the shipped training recipes leave out, first steps only.
 
     ``same_category``: its part ``test``, of categories that train. ``other_category``: all of the categories that do not.
 
