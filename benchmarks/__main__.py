@@ -15,6 +15,7 @@ from benchmarks import (
     fusion,
     lines,
     multipath,
+    network,
     not_a_box,
     published_noise,
     real,
@@ -43,6 +44,7 @@ BENCHMARKS = {
     "data": data.run,
     "data-labels": data_labels.run,
     "data-statistics": data_statistics.run,
+    "network": network.run,
 }
 
 

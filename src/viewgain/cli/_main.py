@@ -7,7 +7,7 @@ from importlib import import_module
 
 from viewgain.cli._commands import Calibrate, Dataset, Demo, Measure, Next, Simulate
 from viewgain.cli._exit import BAD_INPUT, print_error
-from viewgain.cli._training_commands import Export, Train
+from viewgain.cli._training_commands import Evaluate, Export, Train
 from viewgain.errors import ViewgainError
 
 _RUNNERS = {
@@ -18,6 +18,7 @@ _RUNNERS = {
     Dataset: ("_dataset", "run_dataset"),
     Train: ("_train", "run_train"),
     Export: ("_export", "run_export"),
+    Evaluate: ("_evaluate", "run_evaluate"),
     Demo: ("_demo", "run_demo"),
 }
 """Where the work of each command is done; loaded only when it is asked for."""
@@ -30,6 +31,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain dataset build RECIPE         training data, the same bits on one core or a cluster
   viewgain train RECIPE                 a network from training data, and go on with it to the bit
   viewgain export RUN --out FILE.onnx   its best weights, with a model card
+  viewgain evaluate table1 --data DIR   how often it chooses the best view, beside floors
   viewgain demo                         the whole loop on a simulated scene, with a report
 
 Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason), 4 cannot be written."""
@@ -46,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         command = tyro.cli(
-            Measure | Next | Calibrate | Simulate | Dataset | Train | Export | Demo,
+            Measure | Next | Calibrate | Simulate | Dataset | Train | Export | Evaluate | Demo,
             prog="viewgain",
             description=_DESCRIPTION,
             args=arguments or ["--help"],

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from viewgain.arrays import Poses
-from viewgain.datasets import Dataset, Sample
+from viewgain.datasets import Dataset, Sample, rig_of
 from viewgain.errors import DataError
 from viewgain.geometry import inverse
-from viewgain.training._rig import rig_of
 from viewgain.training._settings import DataSettings
 
 _RESIDENT = 0x7261

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from viewgain.datasets import Dataset
+from viewgain.datasets import Dataset, rig_of
 from viewgain.errors import ConfigError, DataError, TrainingError
 from viewgain.network import parameters_of
 from viewgain.training._batches import Batches
@@ -21,7 +21,6 @@ from viewgain.training._facts import versions
 from viewgain.training._floors import floors
 from viewgain.training._folder import RunFolder, RunRecord
 from viewgain.training._ranks import Ranks, ranks
-from viewgain.training._rig import rig_of
 from viewgain.training._session import Session
 from viewgain.training._settings import TrainingRecipe
 from viewgain.training._symmetry import symmetries

@@ -1,6 +1,6 @@
 """Which rig a data set is of."""
 
-from viewgain.datasets import Manifest
+from viewgain.datasets._manifest import Manifest
 from viewgain.gain import COVERAGE_PROTOCOLS
 
 

@@ -1,0 +1,67 @@
+"""Shares with intervals. Samples of one object are kin, so objects are drawn, not samples."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from viewgain.arrays import Array
+from viewgain.errors import DataError
+
+DRAWS = 2000
+"""How often the objects are drawn anew."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shares:
+    """Means over all samples, one per column."""
+
+    mean: tuple[float, ...]
+    """(K,) share of the samples, or difference of two."""
+    low: tuple[float, ...]
+    """(K,) lower ends of the 95 % intervals."""
+    high: tuple[float, ...]
+    """(K,) upper ends."""
+
+
+def shares_by_object(values: ArrayLike, objects: ArrayLike, *, rng: np.random.Generator, draws: int = DRAWS) -> Shares:
+    """Return the means of (N, K) values with 95 % percentile intervals over objects drawn with repetition.
+
+    Of a single object the interval has no width, which says nothing about other objects.
+
+    Args:
+        values: (N, K) hits, or chances of one.
+        objects: (N,) number of each sample's object.
+        rng: Draws.
+        draws: How often.
+
+    Raises:
+        DataError: If there are no samples.
+    """
+    table = np.asarray(values, dtype=float)
+    if len(table) == 0:
+        raise DataError("evaluation: got no samples, wanted some")
+    sums, counts = _per_object(table, np.asarray(objects))
+    weights = rng.multinomial(len(counts), np.full(len(counts), 1 / len(counts)), size=draws).astype(float)
+    drawn = (weights @ sums) / (weights @ counts)[:, None]
+    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
+    return Shares(tuple(table.mean(axis=0).tolist()), tuple(low.tolist()), tuple(high.tolist()))
+
+
+def difference_by_object(
+    first: ArrayLike, second: ArrayLike, objects: ArrayLike, *, rng: np.random.Generator, draws: int = DRAWS
+) -> Shares:
+    """Return mean and interval of ``first - second`` on the same samples (N, K): paired, so what is hard for both drops out.
+
+    Raises:
+        DataError: If there are no samples.
+    """
+    return shares_by_object(np.asarray(first, dtype=float) - np.asarray(second, dtype=float), objects, rng=rng, draws=draws)
+
+
+def _per_object(values: Array, objects: NDArray[np.generic]) -> tuple[Array, Array]:
+    """Return (O, K) sums and (O,) numbers of samples."""
+    numbers, place = np.unique(objects, return_inverse=True)
+    sums = np.zeros((len(numbers), values.shape[1]))
+    np.add.at(sums, place, values)
+    return sums, np.bincount(place).astype(float)
