@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -45,6 +45,9 @@ bench-sim: $(VENV)/dev.stamp ## Time the simulator, with the whole synthetic set
 
 bench-data: $(VENV)/dev.stamp ## Time labels and data sets beside their slow twins
 	$(BIN)/python -m benchmarks data data-labels $(ARGS)
+
+bench-network: $(VENV)/dev.stamp ## Time the networks on one thread, the textbook's EdgeConv beside ours
+	$(BIN)/python -m benchmarks network $(ARGS)
 
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 

@@ -53,12 +53,16 @@ def test_positive_azimuth_moves_to_the_right(plan: NextView) -> None:
 
 
 def test_a_hidden_depth_sends_the_camera_to_the_side() -> None:
-    """Face-on and low: the depth is unseen. Staying, or going to the opposite face, cannot show it; a corner view does."""
+    """Face-on and low: the depth is unseen, and may be over a metre. Staying cannot show it; a corner view does.
+
+    Of a box that deep the nearest corner views show most; the opposite face bounds it only as well as the pose is known.
+    """
     result = next_view(scan_of((0.25, 0.4, 0.35), 0, 11), camera=CAMERA)
     assert "open" in result.current.boxes[0].flags
-    assert result.best not in (0, 4)
+    assert result.best in (1, 3, 5, 7)
     scores = [candidate.assessment.score for candidate in result.candidates]
-    assert min(scores[k] for k in (1, 3, 5, 7)) > max(scores[0], scores[4])
+    assert min(scores[k] for k in (1, 3, 5, 7)) > scores[0]
+    assert min(scores[1], scores[7]) > scores[4]
     assert not result.stop
 
 

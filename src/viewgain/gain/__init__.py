@@ -20,7 +20,6 @@ from viewgain.gain._coverage import greedy_labels as greedy_labels
 from viewgain.gain._coverage_objective import CoverageGain as CoverageGain
 from viewgain.gain._coverage_objective import TakenViews as TakenViews
 from viewgain.gain._estimators import ESTIMATORS as ESTIMATORS
-from viewgain.gain._estimators import LINE_SETTINGS as LINE_SETTINGS
 from viewgain.gain._estimators import VolumeEstimator as VolumeEstimator
 from viewgain.gain._estimators import measured_volume as measured_volume
 from viewgain.gain._estimators import volume_estimator as volume_estimator
