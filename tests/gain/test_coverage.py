@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles.coverage import covered_by, near, walk
+from viewgain.compiled import compiled
 from viewgain.errors import ConfigError, MissingExtraError, ScanError
 from viewgain.gain import (
     PAPER,
@@ -28,7 +29,6 @@ from viewgain.gain import (
     surface_samples,
     unpacked,
 )
-from viewgain.gain._compiled import compiled
 from viewgain.gain._near import near_any, near_pairs
 from viewgain.meshes import MeshFolder
 

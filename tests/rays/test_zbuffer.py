@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tests.oracles.triangles import block, bumpy_sphere, first_hits, soup, unit_rays
 from viewgain.camera import Intrinsics
+from viewgain.compiled import compiled
 from viewgain.errors import ConfigError, MissingExtraError
 from viewgain.geometry import inverse, look_at, pose, rotation_from_rotvec
 from viewgain.meshes import TriangleMesh
@@ -260,7 +261,7 @@ def test_an_unusable_camera_is_refused() -> None:
 
 
 def test_without_numba_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    _zbuffer._compiled_fill.cache_clear()
+    compiled.cache_clear()
     monkeypatch.setitem(sys.modules, "numba", None)
     with pytest.raises(MissingExtraError, match=r"viewgain\[data\]"):
         zbuffer(unit_rays(np.random.default_rng(0), 3), TRIANGLE, SMALL)
@@ -274,7 +275,7 @@ def test_without_a_place_for_machine_code_it_is_made_anew(monkeypatch: pytest.Mo
             raise RuntimeError("cannot cache function: no locator available")
         return lambda function: function
 
-    _zbuffer._compiled_fill.cache_clear()
+    compiled.cache_clear()
     monkeypatch.setattr(numba, "njit", njit)
-    assert _zbuffer._compiled_fill() is _zbuffer._fill
-    _zbuffer._compiled_fill.cache_clear()
+    assert compiled(_zbuffer._fill, "drawing") is _zbuffer._fill
+    compiled.cache_clear()

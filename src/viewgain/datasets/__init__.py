@@ -17,6 +17,7 @@ from viewgain.datasets._plan import Plan as Plan
 from viewgain.datasets._plan import plan_of as plan_of
 from viewgain.datasets._recipe_file import RECIPES as RECIPES
 from viewgain.datasets._recipe_file import recipe as recipe
+from viewgain.datasets._recipe_file import recipe_table as recipe_table
 from viewgain.datasets._recipe_file import record as record
 from viewgain.datasets._rig_name import rig_of as rig_of
 from viewgain.datasets._sample import Frame as Frame

@@ -57,14 +57,7 @@ class CoverageMaker:
 
     def units(self) -> Iterator[Unit]:
         """Yield one unit per mesh."""
-        rules = self._content
-        return mesh_units(
-            self._recipe.seed,
-            self._folder,
-            categories=rules.categories,
-            per_category=rules.per_category,
-            test_share=rules.test_share,
-        )
+        return mesh_units(self._recipe.seed, self._folder, self._content)
 
     def make(self, unit: Unit) -> Made:
         """Return one sample per start and step; raises MeshError for a bad mesh, which is then skipped whole."""

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from viewgain.datasets._seeds import SCENE, SPLIT, generator
+from viewgain.datasets._settings import CoverageSettings, MeshSettings
 from viewgain.datasets._unit import Unit
 from viewgain.errors import ConfigError
 from viewgain.meshes import MeshEntry, MeshFolder, TriangleMesh
@@ -16,20 +17,19 @@ SPLITS = ("same_category", "other_category")
 ``other_category``: whole categories."""
 
 
-def mesh_units(
-    seed: int, folder: Path | None, *, categories: tuple[str, ...], per_category: int, test_share: float
-) -> Iterator[Unit]:
+def mesh_units(seed: int, folder: Path | None, rules: CoverageSettings | MeshSettings) -> Iterator[Unit]:
     """Yield one unit per mesh, sorted by category and name.
 
     Raises:
         MeshError: If the folder is missing or holds no mesh.
         ConfigError: If there is no such category.
     """
-    named = list(_from_folder(folder, categories) if folder is not None else _procedural(categories, per_category))
+    procedural_ones = _procedural(rules.categories, rules.per_category)
+    named = list(procedural_ones if folder is None else _from_folder(folder, rules.categories))
     rng = generator(seed, (0, SPLIT, 0, 0))
     kinds = sorted({category for category, _, _ in named})
-    away = set(rng.permutation(np.array(kinds, dtype=object))[: round(test_share * len(kinds))].tolist())
-    aside = rng.random(len(named)) < test_share
+    away = set(rng.permutation(np.array(kinds, dtype=object))[: round(rules.test_share * len(kinds))].tolist())
+    aside = rng.random(len(named)) < rules.test_share
     for number, (category, name, entry) in enumerate(named):
         splits = {
             "same_category": "test" if aside[number] else "train",

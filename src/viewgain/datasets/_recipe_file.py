@@ -1,7 +1,7 @@
 """Recipes as TOML files: those that come with the package by name, and the user's own by path. What is read is checked."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields
 from importlib import resources
 from pathlib import Path
@@ -30,17 +30,32 @@ def recipe(name: str | Path) -> Recipe:
     Raises:
         ConfigError: If the name is none of :data:`RECIPES` and no readable recipe file; one line that names the key.
     """
-    if name in RECIPES:
-        text = (resources.files("viewgain.datasets") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
-        return recipe_from_table(_parsed(text, str(name)), str(name))
+    return recipe_from_table(*recipe_table(name, "recipe", RECIPES, "viewgain.datasets"))
+
+
+def recipe_table(name: str | Path, kind: str, shipped: Collection[str], package: str) -> tuple[Mapping[str, Any], str]:
+    """Return the table of a recipe file and the recipe's name.
+
+    Args:
+        name: A shipped name, or the path of a TOML file.
+        kind: What errors call it.
+        shipped: Names that come with the package.
+        package: Whose folder ``recipes`` they lie in.
+
+    Raises:
+        ConfigError: If the name is not shipped and no readable TOML file.
+    """
+    if name in shipped:
+        text = (resources.files(package) / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
+        return _parsed(text, f"{kind} {name}"), str(name)
     path = Path(name)
     if path.suffix != ".toml":
-        raise ConfigError(f"recipe {str(name)!r} is not known; choose one of {', '.join(RECIPES)}, or give a .toml file")
+        raise ConfigError(f"{kind} {str(name)!r} is not known; choose one of {', '.join(shipped)}, or give a .toml file")
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
-        raise ConfigError(f"{path}: cannot be read as a recipe: {error}") from error
-    return recipe_from_table(_parsed(text, str(path)), path.stem)
+        raise ConfigError(f"{path}: cannot be read as a {kind}: {error}") from error
+    return _parsed(text, f"{kind} {path}"), path.stem
 
 
 def recipe_from_table(table: Mapping[str, Any], name: str) -> Recipe:
@@ -87,7 +102,7 @@ def _parsed(text: str, where: str) -> Mapping[str, Any]:
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ConfigError(f"recipe {where}: is not TOML: {error}") from error
+        raise ConfigError(f"{where}: is not TOML: {error}") from error
 
 
 def _value(hint: Any, value: object, where: str) -> Any:

@@ -6,7 +6,6 @@ from viewgain.gain._bits import unpacked as unpacked
 from viewgain.gain._clouds import model_clouds as model_clouds
 from viewgain.gain._clouds import normalised as normalised
 from viewgain.gain._clouds import surface_samples as surface_samples
-from viewgain.gain._compiled import Search as Search
 from viewgain.gain._constrained import ScannedBox as ScannedBox
 from viewgain.gain._constrained import WithTerms as WithTerms
 from viewgain.gain._cover import Cover as Cover
@@ -43,6 +42,7 @@ from viewgain.gain._protocol import COVERAGE_PROTOCOLS as COVERAGE_PROTOCOLS
 from viewgain.gain._protocol import PAPER as PAPER
 from viewgain.gain._protocol import PCNBV as PCNBV
 from viewgain.gain._protocol import CoverageProtocol as CoverageProtocol
+from viewgain.gain._search import Search as Search
 from viewgain.gain._tof import BorderTerm as BorderTerm
 from viewgain.gain._tof import BoxViews as BoxViews
 from viewgain.gain._tof import IncidenceTerm as IncidenceTerm

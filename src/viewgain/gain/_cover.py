@@ -8,9 +8,9 @@ import numpy as np
 from viewgain.arrays import Ids, Mask, Points, Vector
 from viewgain.errors import ConfigError, ScanError
 from viewgain.gain._bits import Bits, packed, size, unpacked
-from viewgain.gain._compiled import Search
 from viewgain.gain._near import near_pairs
 from viewgain.gain._pairs import Pairs, Starts, Tally, tally
+from viewgain.gain._search import Search
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Ids, Mask, Points, Vector
-from viewgain.gain._compiled import compiled
+from viewgain.compiled import compiled
 from viewgain.gain._kernels import mark_around, sort_into_cubes
+from viewgain.gain._search import SEARCHING
 
 MOST_CELLS = 1 << 22
 """Of a grid; beyond it the cubes grow."""
@@ -49,7 +50,7 @@ def gridded(points: Points, reach: float) -> Grid:
     while np.prod(np.floor(extents / side) + 1) > MOST_CELLS:
         side *= 2
     shape = (np.floor(extents / side) + 1).astype(np.int32)
-    starts, order = compiled(sort_into_cubes)(points, low, side, shape)
+    starts, order = compiled(sort_into_cubes, SEARCHING)(points, low, side, shape)
     return Grid(low, side, shape, starts, points[order], order)
 
 
@@ -77,7 +78,7 @@ def surroundings(points: Points, reach: float) -> Surroundings:
         side *= 2
     low = points.min(axis=0) - 2 * side
     status = np.zeros((np.floor(extents / side)[::-1] + 6).astype(int), dtype=np.uint8)
-    compiled(mark_around)(points, low, side, 2 if side < reach / np.sqrt(3) else 1, status)
+    compiled(mark_around, SEARCHING)(points, low, side, 2 if side < reach / np.sqrt(3) else 1, status)
     return Surroundings(low, side, status)
 
 

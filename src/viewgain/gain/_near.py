@@ -6,10 +6,11 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from viewgain.arrays import Indices, Mask, Points
-from viewgain.gain._compiled import Search, compiled, uses_numba
+from viewgain.compiled import compiled
 from viewgain.gain._grid import Grid, are_near, gridded, surroundings
 from viewgain.gain._kernels import find_pairs, find_touched
 from viewgain.gain._pairs import Pairs
+from viewgain.gain._search import SEARCHING, Search, uses_numba
 
 DOUBT = 1e-9
 """Relative width of the shell about the reach in which a tree's distance is not trusted but worked out again."""
@@ -24,7 +25,7 @@ def near_pairs(points: Points, others: Points, reach: float, *, search: Search =
     if len(points) == 0 or len(others) == 0:
         return Pairs(np.zeros(len(points) + 1, np.int64), np.zeros(0, np.int32))
     if uses_numba(search):
-        return Pairs(*compiled(find_pairs)(points, *_parts(gridded(others, reach)), reach * reach))
+        return Pairs(*compiled(find_pairs, SEARCHING)(points, *_parts(gridded(others, reach)), reach * reach))
     return _pairs_by_tree(points, others, reach)
 
 
@@ -36,7 +37,7 @@ def near_any(points: Points, chosen: Indices, others: Points, reach: float, *, s
         grid = gridded(others, reach)
         around = surroundings(grid.points, reach)
         known = around.low, around.side, around.status
-        return np.asarray(compiled(find_touched)(points, chosen, *_parts(grid), reach * reach, *known))
+        return np.asarray(compiled(find_touched, SEARCHING)(points, chosen, *_parts(grid), reach * reach, *known))
     return _any_by_tree(points[chosen], others, reach)
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Ids, Indices
-from viewgain.gain._compiled import Search, compiled, uses_numba
+from viewgain.compiled import compiled
 from viewgain.gain._kernels import add_pairs
+from viewgain.gain._search import SEARCHING, Search, uses_numba
 
 Starts: TypeAlias = NDArray[np.int64]
 """(n + 1,) where each list starts in the array of all, and where the last one ends."""
@@ -44,7 +45,7 @@ def tally(counts: Tally, pairs: Pairs, points: Indices, views: Ids, sign: int, *
         search: With "scipy", no machine code.
     """
     if uses_numba(search):
-        compiled(add_pairs)(counts, pairs.starts, pairs.ids, points, views, np.int32(sign))
+        compiled(add_pairs, SEARCHING)(counts, pairs.starts, pairs.ids, points, views, np.int32(sign))
         return
     rows = np.repeat(views[points].astype(np.int64), np.diff(pairs.starts)[points])
     slots = rows * counts.shape[1] + pairs.of(points)

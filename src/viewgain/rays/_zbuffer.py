@@ -5,15 +5,15 @@ a triangle that passes beside or behind the camera is drawn as right as any othe
 """
 
 from collections.abc import Callable
-from functools import cache
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Faces, Image, Points, Vector
 from viewgain.camera import Intrinsics
-from viewgain.errors import ConfigError, MissingExtraError
+from viewgain.compiled import compiled
+from viewgain.errors import ConfigError
 from viewgain.rays._triangles import FLAT, PARALLEL, START
 
 IndexImage: TypeAlias = NDArray[np.int32]
@@ -58,22 +58,9 @@ def zbuffer(vertices: Points, faces: Faces, intrinsics: Intrinsics, near: float 
     depth = np.full((intrinsics.height, intrinsics.width), np.inf)
     triangles = np.full(depth.shape, -1, dtype=np.int32)
     corners, triples = np.ascontiguousarray(vertices, dtype=float), np.ascontiguousarray(faces, dtype=np.int32)
-    _compiled_fill()(corners, triples, lens, np.array([near, FLAT, PARALLEL]), depth, triangles)
+    fill: Fill = compiled(_fill, "drawing a mesh")
+    fill(corners, triples, lens, np.array([near, FLAT, PARALLEL]), depth, triangles)
     return depth, triangles
-
-
-@cache
-def _compiled_fill() -> Fill:
-    """Return :func:`_fill` as machine code; it is kept on disk where there is a place for it."""
-    try:
-        from numba import njit
-    except ImportError as error:
-        raise MissingExtraError('drawing a mesh needs numba: pip install "viewgain[data]"') from error
-    options: dict[str, Any] = {"nogil": True, "fastmath": False, "error_model": "numpy"}
-    try:
-        return njit(cache=True, **options)(_fill)  # type: ignore[no-any-return]  # numba is untyped
-    except RuntimeError:  # neither the package's folder nor the user's cache can be written
-        return njit(**options)(_fill)  # type: ignore[no-any-return]  # numba is untyped
 
 
 def _fill(vertices: Points, faces: Faces, lens: Vector, limits: Vector, depth: Image, triangles: IndexImage) -> None:

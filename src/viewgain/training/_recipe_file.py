@@ -1,12 +1,10 @@
 """Training recipes as TOML files: those that come with the package by name, and the user's own by path."""
 
-import tomllib
 from collections.abc import Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from viewgain.datasets import record
+from viewgain.datasets import recipe_table, record
 from viewgain.errors import ConfigError
 from viewgain.network import LossSettings, NetworkSettings
 from viewgain.training._settings import DataSettings, TrainingRecipe, TrainingSettings
@@ -33,19 +31,7 @@ def training_recipe(name: str | Path) -> TrainingRecipe:
     Raises:
         ConfigError: If the name is none of :data:`TRAINING_RECIPES` and no readable recipe file; one line that names the key.
     """
-    if name in TRAINING_RECIPES:
-        text = (resources.files("viewgain.training") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
-        return training_recipe_from_table(_parsed(text, str(name)), str(name))
-    path = Path(name)
-    if path.suffix != ".toml":
-        raise ConfigError(
-            f"training recipe {str(name)!r} is not known; choose one of {', '.join(TRAINING_RECIPES)}, or give a .toml file"
-        )
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise ConfigError(f"{path}: cannot be read as a training recipe: {error}") from error
-    return training_recipe_from_table(_parsed(text, str(path)), path.stem)
+    return training_recipe_from_table(*recipe_table(name, "training recipe", TRAINING_RECIPES, "viewgain.training"))
 
 
 def training_recipe_from_table(table: Mapping[str, Any], name: str) -> TrainingRecipe:
@@ -68,10 +54,3 @@ def training_recipe_from_table(table: Mapping[str, Any], name: str) -> TrainingR
         training=record(TrainingSettings, table.get("training", {}), f"{where}, training"),
         loss=record(LossSettings, table.get("loss", {}), f"{where}, loss"),
     )
-
-
-def _parsed(text: str, where: str) -> Mapping[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ConfigError(f"training recipe {where}: is not TOML: {error}") from error

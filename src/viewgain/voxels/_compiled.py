@@ -1,14 +1,13 @@
 """Marching rays as machine code: the optional extra ``data`` (numba). The same numbers as the plain way, ray by ray."""
 
 from collections.abc import Callable
-from functools import cache
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Mask, Points, Vector, Vector3
-from viewgain.errors import MissingExtraError
+from viewgain.compiled import compiled
 from viewgain.voxels._lattice import Lattice
 
 Counts: TypeAlias = NDArray[np.int64]
@@ -25,22 +24,9 @@ def march_compiled(
     """
     paths = np.full((len(directions), sum(lattice.shape)), lattice.count, dtype=np.int32)  # ray by ray, as it is written
     shape = np.array(lattice.shape, dtype=np.int64)
-    steps = _compiled_walk()(lattice.low, lattice.size, shape, origin, directions, float(reach), stops, enters, paths)
+    walk: Walk = compiled(_walk, "marching with numba")
+    steps = walk(lattice.low, lattice.size, shape, origin, directions, float(reach), stops, enters, paths)
     return np.ascontiguousarray(paths[:, :steps].T)
-
-
-@cache
-def _compiled_walk() -> Walk:
-    """Return :func:`_walk` as machine code; it is kept on disk where there is a place for it."""
-    try:
-        from numba import njit
-    except ImportError as error:
-        raise MissingExtraError('marching with numba needs it: pip install "viewgain[data]"') from error
-    options: dict[str, Any] = {"nogil": True, "fastmath": False, "error_model": "numpy"}
-    try:
-        return njit(cache=True, **options)(_walk)  # type: ignore[no-any-return]  # numba is untyped
-    except RuntimeError:  # neither the package's folder nor the user's cache can be written
-        return njit(**options)(_walk)  # type: ignore[no-any-return]  # numba is untyped
 
 
 def _walk(

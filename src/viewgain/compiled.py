@@ -2,23 +2,18 @@
 
 from collections.abc import Callable
 from functools import cache
-from importlib.util import find_spec
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 from viewgain.errors import MissingExtraError
 
-Search: TypeAlias = Literal["auto", "numba", "scipy"]
-"""How near points are found; "auto" takes numba where it is installed. The answers are equal, bit for bit."""
-
-
-def uses_numba(search: Search) -> bool:
-    """Return whether a search is made by machine code."""
-    return search == "numba" or (search == "auto" and find_spec("numba") is not None)
-
 
 @cache
-def compiled(kernel: Callable[..., Any]) -> Callable[..., Any]:
+def compiled(kernel: Callable[..., Any], purpose: str) -> Callable[..., Any]:
     """Return a kernel as machine code; it is kept on disk where there is a place for it.
+
+    Args:
+        kernel: A function of numbers, arrays and loops only. Its sums are not reordered, so it rounds as plain Python does.
+        purpose: What it is for, as the subject of the error below.
 
     Raises:
         MissingExtraError: If numba is not installed.
@@ -26,7 +21,7 @@ def compiled(kernel: Callable[..., Any]) -> Callable[..., Any]:
     try:
         from numba import njit
     except ImportError as error:
-        raise MissingExtraError('this search needs numba: pip install "viewgain[data]", or search with scipy') from error
+        raise MissingExtraError(f'{purpose} needs numba: pip install "viewgain[data]"') from error
     options: dict[str, Any] = {"nogil": True, "fastmath": False, "error_model": "numpy"}
     try:
         return njit(cache=True, **options)(kernel)  # type: ignore[no-any-return]  # numba is untyped
