@@ -8,7 +8,7 @@ from importlib import import_module
 from viewgain.cli._commands import Calibrate, Dataset, Demo, Measure, Next, Simulate
 from viewgain.cli._exit import BAD_INPUT, print_error
 from viewgain.cli._training_commands import Evaluate, Export, Train
-from viewgain.errors import ViewgainError
+from viewgain.errors import MissingExtraError, ViewgainError
 
 _RUNNERS = {
     Measure: ("_measure", "run_measure"),
@@ -22,6 +22,8 @@ _RUNNERS = {
     Demo: ("_demo", "run_demo"),
 }
 """Where the work of each command is done; loaded only when it is asked for."""
+_EXTRAS = {"torch": "train", "safetensors": "train", "onnx": "train"}
+"""Packages that a whole command stands on, and the extra that brings each; rooms name those that they need for a part."""
 _DESCRIPTION = """How big is the box, how sure are we, and where should the depth camera move next?
 
   viewgain measure scan.ply             length, width, height and volume with error bars
@@ -60,6 +62,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(getattr(import_module(f"viewgain.cli.{module}"), runner)(command))
     except ViewgainError as error:
         print_error(error)
+        return BAD_INPUT
+    except ModuleNotFoundError as error:
+        if error.name not in _EXTRAS:
+            raise
+        print_error(MissingExtraError(f'this command needs {error.name}: pip install "viewgain[{_EXTRAS[error.name]}]"'))
         return BAD_INPUT
     except BrokenPipeError:
         # The reader of our output has gone (a pager, head); what it wanted it has got.
