@@ -5,7 +5,16 @@ import sys
 
 import pytest
 
-WITHOUT_TORCH = "import sys; sys.modules['torch'] = None; from viewgain.cli import main; sys.exit(main(sys.argv[1:]))"
+WITHOUT_TORCH = """
+import sys
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name == "torch":
+            raise ModuleNotFoundError("No module named 'torch'", name="torch")
+sys.meta_path.insert(0, Missing())
+from viewgain.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
 
 
 @pytest.mark.parametrize("command", [["train", "tiny"], ["export", "run", "--out", "network.onnx"]])
