@@ -24,11 +24,11 @@ def mesh_units(seed: int, folder: Path | None, rules: CoverageSettings | MeshSet
         MeshError: If the folder is missing or holds no mesh.
         ConfigError: If there is no such category.
     """
-    procedural_ones = _procedural(rules.categories, rules.per_category)
-    named = list(procedural_ones if folder is None else _from_folder(folder, rules.categories))
+    named = list(_procedural(rules) if folder is None else _from_folder(folder, rules))
     rng = generator(seed, (0, SPLIT, 0, 0))
     kinds = sorted({category for category, _, _ in named})
-    away = set(rng.permutation(np.array(kinds, dtype=object))[: round(rules.test_share * len(kinds))].tolist())
+    drawn = rng.permutation(np.array(kinds, dtype=object))[: round(rules.test_share * len(kinds))].tolist()
+    away = set(_held_out(rules) or drawn)
     aside = rng.random(len(named)) < rules.test_share
     for number, (category, name, entry) in enumerate(named):
         splits = {
@@ -49,16 +49,25 @@ def mesh_of(unit: Unit, seed: int) -> TriangleMesh:
     return procedural(unit.category, rng=generator(seed, (unit.object, SCENE, 0, 0)))
 
 
-def _from_folder(folder: Path, categories: tuple[str, ...]) -> Iterable[tuple[str, str, MeshEntry | None]]:
+def _held_out(rules: CoverageSettings | MeshSettings) -> tuple[str, ...]:
+    return rules.held_out if isinstance(rules, CoverageSettings) else ()
+
+
+def _from_folder(folder: Path, rules: CoverageSettings | MeshSettings) -> Iterable[tuple[str, str, MeshEntry | None]]:
     meshes = MeshFolder.open(folder)
-    for entry in meshes.only(categories) if categories else meshes:
+    wanted = (*rules.categories, *_held_out(rules))
+    for entry in meshes.only(wanted) if wanted else meshes:
         yield entry.category, entry.name, entry
 
 
-def _procedural(categories: tuple[str, ...], per_category: int) -> Iterable[tuple[str, str, MeshEntry | None]]:
-    unknown = sorted(set(categories) - set(CATEGORIES))
+def _procedural(rules: CoverageSettings | MeshSettings) -> Iterable[tuple[str, str, MeshEntry | None]]:
+    held_out = _held_out(rules)
+    unknown = sorted({*rules.categories, *held_out} - set(CATEGORIES))
     if unknown:
         raise ConfigError(f"got the categories {', '.join(unknown)}, wanted some of {', '.join(sorted(CATEGORIES))}")
-    for category in sorted(categories or CATEGORIES):
-        for number in range(per_category):
+    counts = dict.fromkeys(rules.categories or CATEGORIES, rules.per_category)
+    if isinstance(rules, CoverageSettings):
+        counts |= dict.fromkeys(held_out, rules.per_held_out)
+    for category in sorted(counts):
+        for number in range(counts[category]):
             yield category, f"{number:05d}", None

@@ -19,6 +19,7 @@ RECIPES = (
         for tiny in ("", "_tiny")
     ),
     "coverage_learn_tiny",
+    "coverage_table1",
 )
 """Names of the recipes that come with the package."""
 _TOP = ("makes", "takes", "seed", "units_per_shard", "points", *CONTENTS)

@@ -49,11 +49,17 @@ class CoverageSettings:
     """Only these; empty for all."""
     test_share: float = 0.2
     """Share of the categories (division by category) and of the meshes (division by mesh) that is kept for testing."""
+    held_out: tuple[str, ...] = ()
+    """Further categories that are the test part of the division by category, instead of a share that is drawn."""
+    per_held_out: int = 40
+    """Procedural objects in each of those."""
     masks: bool = True
     """Store which surface points each view covers, so that further targets need no rays."""
 
     def __post_init__(self) -> None:
         _check_counts("coverage", self.per_category, self.test_share)
+        if self.per_held_out < 1 or set(self.held_out) & set(self.categories) or (self.held_out and not self.categories):
+            raise ConfigError("coverage: wanted categories beside held_out, none in both, and per_held_out of 1 or more")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
