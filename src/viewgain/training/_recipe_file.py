@@ -18,8 +18,7 @@ TRAINING_RECIPES = (
     "compact",
     "compact_view",
     "compact_view33",
-    "compact_fast",
-    "compact_fast_view",
+    "compact_camera",
 )
 """Names of the recipes that come with the package."""
 _KEYS = ("makes", "network", "data", "training", "loss")
