@@ -26,6 +26,8 @@ def export_run(
 ) -> ModelCard:
     """Write the best weights of a run as ONNX, with a card, and return the card.
 
+    Standard deviations are multiplied by the ``sigma_ratio`` of the run's validation objects.
+
     Args:
         run: Folder of the run.
         out: File to write, .onnx.
@@ -40,7 +42,8 @@ def export_run(
     """
     trained = load_trained(run)
     card = card_of(trained, sources, metrics, limits)
-    export_onnx(trained.module, trained.record.recipe.network, card, out)
+    ratio = trained.figures.get("sigma_ratio", 1.0)
+    export_onnx(trained.module, trained.record.recipe.network, card, out, sigma_scale=ratio)
     return card
 
 
@@ -94,9 +97,12 @@ def _source(facts: Any) -> Source:
 def _training(trained: Trained) -> dict[str, str]:
     recipe, facts = trained.record.recipe, trained.record.facts
     taught = {} if recipe.distil is None else {"teacher": f"{facts['teacher']['name']}, weight {recipe.distil.weight:g}"}
+    ratio = trained.figures.get("sigma_ratio")
+    scaled = f"{recipe.network.uncertainty}, standard deviations times {ratio or 1:.3g}, as the validation objects showed"
     return {
         "recipe": recipe.name,
         **taught,
+        **({} if ratio is None else {"uncertainty": scaled}),
         "target": recipe.data.target,
         "steps": f"{trained.figures['step']} of {recipe.training.iterations}, batch {recipe.training.batch}",
         "seed": str(recipe.training.seed),

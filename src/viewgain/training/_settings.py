@@ -141,3 +141,11 @@ class TrainingRecipe:
     """What is made small."""
     distil: DistilSettings | None = None
     """Who teaches beside the labels, if anybody."""
+
+    def __post_init__(self) -> None:
+        kinds = ("mean", "half_sum") if self.network.uncertainty == "none" else (self.network.uncertainty,)
+        if self.loss.kind not in kinds:
+            raise ConfigError(
+                f"training recipe {self.name}: got a loss of kind {self.loss.kind!r} for a network of uncertainty"
+                f" {self.network.uncertainty!r}, wanted {' or '.join(kinds)}"
+            )
