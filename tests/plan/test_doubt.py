@@ -42,7 +42,7 @@ def test_cases_that_can_be_said_in_words() -> None:
 
 def test_a_higher_score_is_more_likely_the_best_and_more_noise_levels_all() -> None:
     base, sigmas = np.array([0.2, 0.5, 0.4]), np.full(3, 0.2)
-    raised = [chances_of_best(base + [step, 0, 0], sigmas)[0] for step in np.linspace(-1, 1, 9)]
+    raised = [chances_of_best(base + np.array([step, 0, 0]), sigmas)[0] for step in np.linspace(-1, 1, 9)]
     assert raised == sorted(raised)
     best = [chances_of_best(base, np.full(3, sigma))[1] for sigma in (0.01, 0.1, 1.0, 10.0)]
     assert best == sorted(best, reverse=True)
