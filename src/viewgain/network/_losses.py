@@ -33,7 +33,7 @@ class LossSettings:
     temperature: float = 0.02
     """Difference of scores that counts as clear, in units of the scores; smaller looks more at the best view alone."""
     evidence_weight: float = 0.01
-    """Factor on error times evidence in the evidential loss (Amini et al. 2020: lambda, 0.01 in their code)."""
+    """Factor on error times evidence in the evidential loss (Amini et al. 2020: lambda; 0.01 in their example)."""
     weight_decay: float = 1e-4
     """L2 weight on weights, not on biases (section 3.2: lambda)."""
 
