@@ -20,6 +20,7 @@ RECIPES = (
     ),
     "coverage_learn_tiny",
     "coverage_table1",
+    "coverage_pcnbv_learn",
 )
 """Names of the recipes that come with the package."""
 _TOP = ("makes", "takes", "seed", "units_per_shard", "points", *CONTENTS)
