@@ -3,13 +3,6 @@
 from viewgain.evaluation._bootstrap import Shares as Shares
 from viewgain.evaluation._bootstrap import difference_by_object as difference_by_object
 from viewgain.evaluation._bootstrap import shares_by_object as shares_by_object
-from viewgain.evaluation._choices import LIMITS as LIMITS
-from viewgain.evaluation._choices import SLACK as SLACK
-from viewgain.evaluation._choices import choices as choices
-from viewgain.evaluation._choices import hits as hits
-from viewgain.evaluation._choices import shortfall as shortfall
-from viewgain.evaluation._floors import constant_offset as constant_offset
-from viewgain.evaluation._floors import uniform_hits as uniform_hits
 from viewgain.evaluation._judged import SPLITS as SPLITS
 from viewgain.evaluation._judged import Judged as Judged
 from viewgain.evaluation._judged import judged_rows as judged_rows

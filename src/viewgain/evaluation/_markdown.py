@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 from viewgain.evaluation._bootstrap import Shares
-from viewgain.evaluation._choices import LIMITS
 from viewgain.evaluation._judged import SPLITS
 from viewgain.evaluation._table1 import CONSTANT, Table1
+from viewgain.gain import POSITION_LIMITS
 
-COLUMNS = ("exact position", *(f"within {limit:g}" for limit in LIMITS[1:]))
+COLUMNS = ("exact position", *(f"within {limit:g}" for limit in POSITION_LIMITS[1:]))
 """Names of the shares."""
 
 

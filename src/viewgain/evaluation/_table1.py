@@ -12,10 +12,9 @@ from viewgain.arrays import Array
 from viewgain.datasets import Dataset, rig_of
 from viewgain.errors import DataError
 from viewgain.evaluation._bootstrap import Shares, difference_by_object, shares_by_object
-from viewgain.evaluation._choices import LIMITS, choices, hits, shortfall
-from viewgain.evaluation._floors import constant_offset, uniform_hits
 from viewgain.evaluation._judged import Judged, judged_rows, learned_rows, read_judged
 from viewgain.evaluation._scored import scored
+from viewgain.gain import POSITION_LIMITS, choices, constant_offset, hits, shortfall, uniform_hits
 from viewgain.inference import Scorer
 
 RESERVED = UNIFORM, CONSTANT, ORACLE = "uniform guess", "constant answer", "oracle"
@@ -30,7 +29,7 @@ class Row:
     name: str
     """What chooses."""
     shares: Shares
-    """Of the samples, one per limit of ``viewgain.evaluation.LIMITS``."""
+    """Of the samples, one per limit of ``viewgain.gain.POSITION_LIMITS``."""
     milliseconds: float | None = None
     """Median CPU time from a cloud to its scores, one thread; None where nothing is computed."""
 
@@ -72,7 +71,7 @@ class Table1:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the table as plain values for JSON, the limits with it."""
-        return {"limits": list(LIMITS), **dataclasses.asdict(self)}
+        return {"limits": list(POSITION_LIMITS), **dataclasses.asdict(self)}
 
 
 def table1(data: Dataset, scorers: Mapping[str, Scorer], *, split: str, target: str = "gain_published", seed: int = 0) -> Table1:

@@ -1,0 +1,48 @@
+"""Laws of the intervals."""
+
+import numpy as np
+import pytest
+
+from viewgain.errors import DataError
+from viewgain.evaluation import difference_by_object, shares_by_object
+
+
+def test_kin_of_one_object_do_not_narrow_the_interval() -> None:
+    rng = np.random.default_rng(5)
+    once = rng.random((60, 1)) < 0.6
+    alone = shares_by_object(once, np.arange(60), rng=np.random.default_rng(1))
+    copied = shares_by_object(np.repeat(once, 20, axis=0), np.repeat(np.arange(60), 20), rng=np.random.default_rng(1))
+    assert copied.low == pytest.approx(alone.low)
+    assert copied.high == pytest.approx(alone.high)
+    assert alone.low[0] < alone.mean[0] < alone.high[0]
+
+
+def test_the_interval_holds_the_truth_about_as_often_as_it_says() -> None:
+    held = 0
+    for seed in range(200):
+        rng = np.random.default_rng([seed, 17])
+        sizes = rng.integers(1, 6, size=80)
+        chances = np.repeat(rng.random(80), sizes)  # kin share a chance, and chances average one half
+        values = (rng.random(len(chances)) < chances)[:, None]
+        shares = shares_by_object(values, np.repeat(np.arange(80), sizes), rng=rng, draws=400)
+        held += shares.low[0] <= 0.5 <= shares.high[0]
+    assert 178 <= held <= 199  # 0.95 of 200, three standard deviations to each side
+
+
+def test_a_paired_difference_is_surer_than_two_intervals_and_turns_its_sign() -> None:
+    rng = np.random.default_rng(3)
+    first = (rng.random((300, 1)) < 0.5).astype(float)
+    second = first.copy()
+    second[:6] = 0.0
+    objects = np.arange(300) // 3
+    paired = difference_by_object(first, second, objects, rng=np.random.default_rng(1))
+    turned = difference_by_object(second, first, objects, rng=np.random.default_rng(1))
+    single = shares_by_object(first, objects, rng=np.random.default_rng(1))
+    assert paired.mean[0] == pytest.approx(first.mean() - second.mean())
+    assert paired.high[0] - paired.low[0] < 0.5 * (single.high[0] - single.low[0])
+    assert (turned.low[0], turned.high[0]) == pytest.approx((-paired.high[0], -paired.low[0]))
+
+
+def test_no_samples_are_said() -> None:
+    with pytest.raises(DataError, match="no samples"):
+        shares_by_object(np.zeros((0, 5)), np.zeros(0), rng=np.random.default_rng(0))
