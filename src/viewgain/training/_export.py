@@ -92,6 +92,7 @@ def _training(trained: Trained) -> dict[str, str]:
     recipe, facts = trained.record.recipe, trained.record.facts
     return {
         "recipe": recipe.name,
+        "data": f"recipe {facts['data_recipe']}, seed {facts.get('data_seed', 'not noted')}, plan {trained.record.plan[:12]}",
         "target": recipe.data.target,
         "steps": f"{trained.figures['step']} of {recipe.training.iterations}, batch {recipe.training.batch}",
         "seed": str(recipe.training.seed),

@@ -1,0 +1,78 @@
+"""Table 1 as a picture: one panel per table, the networks' shares as bars with intervals, floors as dashed lines."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from viewgain.evaluation import COLUMNS, CONSTANT, RESERVED, UNIFORM, Row, Table1
+from viewgain.report._colours import FAINT, GRID, INK, NORMAL, SMALL
+from viewgain.report._style import key, legend_below, new_figure, plain_axes, title
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#f0e442", "#999999")
+"""Of networks in their order (Okabe and Ito's set); hatches tell apart what comes after."""
+_HATCHES = ("", "////", "....")
+_FLOORS = {CONSTANT: (INK, (0, (4, 2))), UNIFORM: (FAINT, (0, (1.2, 1.2)))}
+"""Colour and dashes of each floor."""
+_PANEL = 2.6
+"""Height, inches."""
+
+
+def table1_figure(tables: Sequence[Table1]) -> Figure:
+    """Return the picture of some tables, at least one; without networks only the floors are there."""
+    names = list(dict.fromkeys(row.name for table in tables for row in _networks(table)))
+    figure = new_figure(width=7.2, height=_PANEL * len(tables) + 0.6)
+    for axes, table in zip(figure.subplots(len(tables), 1, squeeze=False)[:, 0], tables, strict=True):
+        _panel(axes, table, names)
+    handles = [
+        key(name, color=_colour(place), linewidth=5)
+        if not _hatch(place)
+        else key(f"{name} ({_hatch(place)[0]})", color=_colour(place), linewidth=5)
+        for place, name in enumerate(names)
+    ]
+    handles += [key(name, color=colour, linestyle=dashes, linewidth=1.2) for name, (colour, dashes) in _FLOORS.items()]
+    legend_below(figure, handles, 3)
+    return figure
+
+
+def _panel(axes: Axes, table: Table1, names: Sequence[str]) -> None:
+    places = np.arange(len(COLUMNS))
+    rows = _networks(table)
+    width = 0.8 / max(len(rows), 1)
+    for number, row in enumerate(rows):
+        mean, low, high = (100 * np.array(each) for each in (row.shares.mean, row.shares.low, row.shares.high))
+        left = places - 0.4 + (number + 0.5) * width
+        which = names.index(row.name)
+        axes.bar(left, mean, 0.9 * width, color=_colour(which), hatch=_hatch(which), edgecolor="white", linewidth=0.0, zorder=2)
+        reach = np.maximum(np.stack([mean - low, high - mean]), 0.0)
+        axes.errorbar(left, mean, yerr=reach, fmt="none", ecolor=INK, elinewidth=0.8, capsize=1.5, zorder=4)
+    by_name = {row.name: row for row in table.rows}
+    for name, (colour, dashes) in _FLOORS.items():
+        if name in by_name:
+            levels = 100 * np.array(by_name[name].shares.mean)
+            axes.hlines(levels, places - 0.45, places + 0.45, colors=colour, linestyles=[dashes], linewidth=1.2, zorder=3)
+    axes.set_ylim(0, 100)
+    axes.set_xlim(-0.55, len(COLUMNS) - 0.45)
+    axes.grid(axis="y", color=GRID, linewidth=0.6, zorder=0)
+    plain_axes(axes, "", "per cent of samples")
+    axes.set_xticks(places, COLUMNS, fontsize=NORMAL, color=INK)
+    axes.tick_params(axis="y", labelsize=SMALL)
+    title(
+        axes,
+        f"{table.title}, {table.frame} frame",
+        [f"{table.objects:,} objects, {table.samples:,} samples; bars: 95 % intervals by object"],
+    )
+
+
+def _networks(table: Table1) -> list[Row]:
+    """Return what networks got: the mean over seeds in place of its members is not known here, so all are drawn."""
+    return [row for row in table.rows if row.name not in RESERVED]
+
+
+def _colour(place: int) -> str:
+    return COLOURS[place % len(COLOURS)]
+
+
+def _hatch(place: int) -> str:
+    return _HATCHES[place // len(COLOURS) % len(_HATCHES)]
