@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from viewgain.cli._evaluate_commands import Evaluate, EvaluateTable1, Judging
+from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1, Judging
 from viewgain.cli._exit import NOT_WRITTEN, print_error
 from viewgain.cli._judging import judged_data, named_scorers, note
 from viewgain.datasets import Dataset, Frame, make_folder, rig_of, write_whole
@@ -17,7 +17,9 @@ from viewgain.report import write_table1_picture
 def run_evaluate(command: Evaluate) -> int:
     """Print the tables; exit code 4 if the folder cannot be written."""
     try:
-        return _table1(command.action)
+        if isinstance(command.action, EvaluateTable1):
+            return _table1(command.action)
+        return _coverage(command.action)
     except StorageError as error:
         print_error(error)
         return NOT_WRITTEN
@@ -43,6 +45,10 @@ def _table1(command: EvaluateTable1) -> int:
         draw=lambda path: write_table1_picture(tables, path),
     )
     return 0
+
+
+def _coverage(command: EvaluateCoverage) -> int:
+    raise NotImplementedError
 
 
 def _finish(options: Judging, name: str, *, as_json: str, as_markdown: str, draw: Callable[[Path], object]) -> None:

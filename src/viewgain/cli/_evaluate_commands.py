@@ -48,8 +48,24 @@ class EvaluateTable1:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EvaluateCoverage:
+    """How much of objects policies cover, view after view (PC-NBV's protocol)."""
+
+    judging: Annotated[Judging, tyro.conf.arg(name="")] = field(default_factory=Judging)
+    """What, on what, where to."""
+    rig: Literal["pcnbv33", "pcnbv16"] = "pcnbv33"
+    """Candidate views."""
+    policies: tuple[str, ...] = ()
+    """Beside random, farthest and oracle, which are always there: uniform, proximity_count, ... (docs/volumetric.md)."""
+    steps: int = 10
+    """Views in all, the random first one included."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Evaluate:
     """Judge networks beside floors, with intervals."""
 
-    action: tyro.conf.OmitSubcommandPrefixes[Annotated[EvaluateTable1, tyro.conf.subcommand("table1")]]
+    action: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[EvaluateTable1, tyro.conf.subcommand("table1")] | Annotated[EvaluateCoverage, tyro.conf.subcommand("coverage")]
+    ]
     """Which table."""

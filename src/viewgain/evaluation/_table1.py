@@ -35,6 +35,8 @@ class Row:
     """Of the samples, one per limit of ``viewgain.gain.POSITION_LIMITS``."""
     seeds: int = 1
     """How many networks it is the mean of."""
+    within: str | None = None
+    """Name of the mean over seeds that it is part of."""
     milliseconds: float | None = None
     """Median CPU time from a cloud to its scores, one thread; None where nothing is computed."""
 
@@ -121,11 +123,13 @@ def table1(
     floors = _floor_hits(judged, constant, np.random.default_rng([seed, _RANDOM]))
     rng = np.random.default_rng([seed, _INTERVALS])
     counts = {each.name: len(each.members) for each in found}
+    within = {name: each.name for each in found for name in each.members if len(each.members) > 1}
     rows = tuple(
         Row(
             name=name,
             shares=shares_by_object(each, judged.objects, rng=rng),
             seeds=counts.get(name, 1),
+            within=within.get(name),
             milliseconds=times.get(name),
         )
         for name, each in (results | means | floors).items()

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from viewgain.evaluation import COLUMNS, CONSTANT, RESERVED, UNIFORM, Row, Table1
 from viewgain.report._colours import FAINT, GRID, INK, NORMAL, SMALL
@@ -25,14 +26,9 @@ def table1_figure(tables: Sequence[Table1]) -> Figure:
     figure = new_figure(width=7.2, height=_PANEL * len(tables) + 0.6)
     for axes, table in zip(figure.subplots(len(tables), 1, squeeze=False)[:, 0], tables, strict=True):
         _panel(axes, table, names)
-    handles = [
-        key(name, color=_colour(place), linewidth=5)
-        if not _hatch(place)
-        else key(f"{name} ({_hatch(place)[0]})", color=_colour(place), linewidth=5)
-        for place, name in enumerate(names)
-    ]
-    handles += [key(name, color=colour, linestyle=dashes, linewidth=1.2) for name, (colour, dashes) in _FLOORS.items()]
-    legend_below(figure, handles, 3)
+    handles = [Patch(facecolor=_colour(k), hatch=_hatch(k), edgecolor="white", label=name) for k, name in enumerate(names)]
+    floors = [key(name, color=colour, linestyle=dashes, linewidth=1.2) for name, (colour, dashes) in _FLOORS.items()]
+    legend_below(figure, [*handles, *floors], 3)
     return figure
 
 
@@ -51,23 +47,21 @@ def _panel(axes: Axes, table: Table1, names: Sequence[str]) -> None:
     for name, (colour, dashes) in _FLOORS.items():
         if name in by_name:
             levels = 100 * np.array(by_name[name].shares.mean)
-            axes.hlines(levels, places - 0.45, places + 0.45, colors=colour, linestyles=[dashes], linewidth=1.2, zorder=3)
+            for place, level in zip(places, levels, strict=True):
+                axes.plot([place - 0.45, place + 0.45], [level, level], color=colour, linestyle=dashes, linewidth=1.2, zorder=3)
     axes.set_ylim(0, 100)
     axes.set_xlim(-0.55, len(COLUMNS) - 0.45)
     axes.grid(axis="y", color=GRID, linewidth=0.6, zorder=0)
     plain_axes(axes, "", "per cent of samples")
     axes.set_xticks(places, COLUMNS, fontsize=NORMAL, color=INK)
     axes.tick_params(axis="y", labelsize=SMALL)
-    title(
-        axes,
-        f"{table.title}, {table.frame} frame",
-        [f"{table.objects:,} objects, {table.samples:,} samples; bars: 95 % intervals by object"],
-    )
+    details = f"{table.objects:,} objects, {table.samples:,} samples; 95 % intervals by object"
+    title(axes, f"{table.title}, {table.frame} frame", [details])
 
 
 def _networks(table: Table1) -> list[Row]:
-    """Return what networks got: the mean over seeds in place of its members is not known here, so all are drawn."""
-    return [row for row in table.rows if row.name not in RESERVED]
+    """Return what networks got: of several seeds their mean alone."""
+    return [row for row in table.rows if row.name not in RESERVED and row.within is None]
 
 
 def _colour(place: int) -> str:
