@@ -5,13 +5,23 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1, Judging
+from viewgain.cli._evaluate_coverage import covered
 from viewgain.cli._exit import NOT_WRITTEN, print_error
 from viewgain.cli._judging import judged_data, named_scorers, note
 from viewgain.datasets import Dataset, Frame, make_folder, rig_of, write_whole
 from viewgain.errors import MissingExtraError, StorageError
-from viewgain.evaluation import fresh_parts, mesh_parts, of_frame, shipped_scorers, table1, to_markdown, trained_parts
+from viewgain.evaluation import (
+    coverage_to_markdown,
+    fresh_parts,
+    mesh_parts,
+    of_frame,
+    shipped_scorers,
+    table1,
+    to_markdown,
+    trained_parts,
+)
 from viewgain.inference import Scorer
-from viewgain.report import write_table1_picture
+from viewgain.report import write_coverage_picture, write_table1_picture
 
 
 def run_evaluate(command: Evaluate) -> int:
@@ -48,7 +58,15 @@ def _table1(command: EvaluateTable1) -> int:
 
 
 def _coverage(command: EvaluateCoverage) -> int:
-    raise NotImplementedError
+    tables = covered(command)
+    _finish(
+        command.judging,
+        "coverage",
+        as_json="".join(json.dumps(table.to_dict(), allow_nan=False) + "\n" for table in tables),
+        as_markdown="\n".join(map(coverage_to_markdown, tables)),
+        draw=lambda path: write_coverage_picture(tables, path),
+    )
+    return 0
 
 
 def _finish(options: Judging, name: str, *, as_json: str, as_markdown: str, draw: Callable[[Path], object]) -> None:

@@ -32,7 +32,7 @@ def judged_data(options: Judging) -> Iterator[Dataset]:
         MeshError: If there is no mesh.
         StorageError: If the temporary folder is full.
     """
-    check_source(options)
+    check_options(options)
     if options.data is not None:
         yield Dataset(options.data)
         return
@@ -43,30 +43,34 @@ def judged_data(options: Judging) -> Iterator[Dataset]:
         yield Dataset(folder)
 
 
-def check_source(options: Judging) -> None:
-    """Make sure that exactly one source of objects is named.
+def check_options(options: Judging, *, meshes_of_data: bool = False) -> None:
+    """Make sure that exactly one source of objects is named, and that the other options go with it.
+
+    Args:
+        options: The options.
+        meshes_of_data: Whether a data set may come with the meshes that it was built from.
 
     Raises:
         ConfigError: If not, or a limit is without meshes, or networks are named and refused at once.
     """
     given = [f"--{name}" for name in ("data", "meshes", "fresh") if getattr(options, name) is not None]
-    if len(given) != 1:
+    if len(given) != 1 and not (meshes_of_data and given == ["--data", "--meshes"]):
         raise ConfigError(
             f"evaluate: got {' and '.join(given) or 'no objects'}, wanted one of --data DIR, --meshes FOLDER, --fresh N"
         )
-    if options.limit is not None and options.meshes is None:
-        raise ConfigError("evaluate: got --limit without --meshes; leave it out")
+    if options.limit is not None and given != ["--meshes"]:
+        raise ConfigError(f"evaluate: got --limit with {' and '.join(given)}; it goes with --meshes alone")
     if options.floors_only and options.models:
         raise ConfigError("evaluate: got --models and --floors-only, wanted one of them")
     if options.seed < 0:
         raise ConfigError(f"evaluate: got --seed {options.seed}, wanted 0 or more")
 
 
-def planned(options: Judging, protocol: str = "paper") -> Plan:
+def planned(options: Judging) -> Plan:
     """Return the plan of fresh objects or given meshes."""
     if options.meshes is not None:
-        return mesh_plan(options.meshes, limit=options.limit, seed=options.seed, protocol=protocol)
-    return fresh_plan(options.fresh or 0, seed=options.seed, protocol=protocol)
+        return mesh_plan(options.meshes, limit=options.limit, seed=options.seed)
+    return fresh_plan(options.fresh or 0, seed=options.seed)
 
 
 def say_skipped(skipped: Sequence[Skipped]) -> None:

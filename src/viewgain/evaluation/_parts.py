@@ -1,11 +1,12 @@
 """Which samples of a data set a table is about."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viewgain.datasets import Dataset
+from viewgain.datasets import Dataset, Plan, Unit
 from viewgain.errors import ConfigError, DataError
 
 SPLITS = {
@@ -15,6 +16,7 @@ SPLITS = {
 """What is judged under each division's name, in words."""
 MESHES = "meshes"
 """Name of the part that meshes given by the user are."""
+_MESHES = "meshes given: no network may have seen them"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,8 +81,42 @@ def mesh_parts(data: Dataset) -> tuple[Part, ...]:
     Raises:
         DataError: If there are none.
     """
-    title = "meshes given: no network may have seen them"
-    return _filled(data, [_part(data, MESHES, title, np.arange(len(data)), np.zeros(0, dtype=np.intp))])
+    return _filled(data, [_part(data, MESHES, _MESHES, np.arange(len(data)), np.zeros(0, dtype=np.intp))])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnitPart:
+    """Some objects to judge."""
+
+    name: str
+    """As of :class:`Part`."""
+    title: str
+    """What it is, in words."""
+    units: tuple[Unit, ...]
+    """The objects."""
+
+
+def unit_parts(plan: Plan, source: Literal["data", "fresh", "meshes"]) -> tuple[UnitPart, ...]:
+    """Return the objects of a plan by part, as :func:`trained_parts`, :func:`fresh_parts` and :func:`mesh_parts` do its samples.
+
+    Raises:
+        DataError: If nothing is left to judge.
+    """
+    if source == "meshes":
+        return (UnitPart(name=MESHES, title=_MESHES, units=plan.units),)
+    seen = tuple(each for each in plan.units if each.splits["other_category"] == "train")
+    unseen = tuple(each for each in plan.units if each.splits["other_category"] == "test")
+    if source == "data":
+        seen = tuple(each for each in seen if each.splits["same_category"] == "test")
+    word = "fresh " if source == "fresh" else ""
+    parts = [
+        UnitPart(name=name, title=word + SPLITS[name], units=units)
+        for name, units in zip(SPLITS, (seen, unseen), strict=True)
+        if units
+    ]
+    if not parts:
+        raise DataError(f"{plan.recipe.name}: got no object in a test part; build coverage data with more objects")
+    return tuple(parts)
 
 
 def _part(data: Dataset, name: str, title: str, rows: NDArray[np.intp], learned: NDArray[np.intp]) -> Part:

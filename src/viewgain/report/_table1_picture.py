@@ -9,11 +9,9 @@ from matplotlib.patches import Patch
 
 from viewgain.evaluation import COLUMNS, CONSTANT, RESERVED, UNIFORM, Row, Table1
 from viewgain.report._colours import FAINT, GRID, INK, NORMAL, SMALL
+from viewgain.report._series import colour_of, hatch_of
 from viewgain.report._style import key, legend_below, new_figure, plain_axes, title
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#f0e442", "#999999")
-"""Of networks in their order (Okabe and Ito's set); hatches tell apart what comes after."""
-_HATCHES = ("", "////", "....")
 _FLOORS = {CONSTANT: (INK, (0, (4, 2))), UNIFORM: (FAINT, (0, (1.2, 1.2)))}
 """Colour and dashes of each floor."""
 _PANEL = 2.6
@@ -26,7 +24,7 @@ def table1_figure(tables: Sequence[Table1]) -> Figure:
     figure = new_figure(width=7.2, height=_PANEL * len(tables) + 0.6)
     for axes, table in zip(figure.subplots(len(tables), 1, squeeze=False)[:, 0], tables, strict=True):
         _panel(axes, table, names)
-    handles = [Patch(facecolor=_colour(k), hatch=_hatch(k), edgecolor="white", label=name) for k, name in enumerate(names)]
+    handles = [Patch(facecolor=colour_of(k), hatch=hatch_of(k), edgecolor="white", label=name) for k, name in enumerate(names)]
     floors = [key(name, color=colour, linestyle=dashes, linewidth=1.2) for name, (colour, dashes) in _FLOORS.items()]
     legend_below(figure, [*handles, *floors], 3)
     return figure
@@ -40,7 +38,9 @@ def _panel(axes: Axes, table: Table1, names: Sequence[str]) -> None:
         mean, low, high = (100 * np.array(each) for each in (row.shares.mean, row.shares.low, row.shares.high))
         left = places - 0.4 + (number + 0.5) * width
         which = names.index(row.name)
-        axes.bar(left, mean, 0.9 * width, color=_colour(which), hatch=_hatch(which), edgecolor="white", linewidth=0.0, zorder=2)
+        axes.bar(
+            left, mean, 0.9 * width, color=colour_of(which), hatch=hatch_of(which), edgecolor="white", linewidth=0.0, zorder=2
+        )
         reach = np.maximum(np.stack([mean - low, high - mean]), 0.0)
         axes.errorbar(left, mean, yerr=reach, fmt="none", ecolor=INK, elinewidth=0.8, capsize=1.5, zorder=4)
     by_name = {row.name: row for row in table.rows}
@@ -62,11 +62,3 @@ def _panel(axes: Axes, table: Table1, names: Sequence[str]) -> None:
 def _networks(table: Table1) -> list[Row]:
     """Return what networks got: of several seeds their mean alone."""
     return [row for row in table.rows if row.name not in RESERVED and row.within is None]
-
-
-def _colour(place: int) -> str:
-    return COLOURS[place % len(COLOURS)]
-
-
-def _hatch(place: int) -> str:
-    return _HATCHES[place // len(COLOURS) % len(_HATCHES)]
