@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewgain.errors import DataError
-from viewgain.evaluation import difference_by_object, shares_by_object
+from viewgain.evaluation import difference_by_object, ratio_by_object, shares_by_object
 
 
 def test_kin_of_one_object_do_not_narrow_the_interval() -> None:
@@ -46,3 +46,25 @@ def test_a_paired_difference_is_surer_than_two_intervals_and_turns_its_sign() ->
 def test_no_samples_are_said() -> None:
     with pytest.raises(DataError, match="no samples"):
         shares_by_object(np.zeros((0, 5)), np.zeros(0), rng=np.random.default_rng(0))
+
+
+def test_a_ratio_is_of_the_sums_and_its_parts_are_drawn_together() -> None:
+    whole = np.repeat(np.random.default_rng(1).random((30, 1)) + 0.1, 2, axis=1)
+    objects = np.arange(30)
+    half = ratio_by_object(0.5 * whole, whole, objects, rng=np.random.default_rng(2))
+    assert half is not None
+    assert half.mean == half.low == half.high == pytest.approx((0.5, 0.5))
+    mixed = np.where(objects[:, None] % 2 == 0, whole, 0.0)
+    ratio = ratio_by_object(mixed, whole, objects, rng=np.random.default_rng(2))
+    assert ratio is not None
+    assert ratio.mean[0] == pytest.approx(mixed.sum() / whole.sum())
+    assert ratio.low[0] < ratio.mean[0] < ratio.high[0]
+
+
+def test_a_ratio_to_nothing_is_none_and_draws_of_nothing_are_passed_over() -> None:
+    assert ratio_by_object(np.ones((4, 2)), [[0, 1]] * 4, np.arange(4), rng=np.random.default_rng(0)) is None
+    rare = np.zeros((6, 1))
+    rare[0] = 2.0
+    found = ratio_by_object(rare / 2, rare, np.arange(6), rng=np.random.default_rng(0))
+    assert found is not None
+    assert (found.low, found.high) == ((0.5,), (0.5,))
