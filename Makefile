@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -49,10 +49,13 @@ bench-data: $(VENV)/dev.stamp ## Time labels and data sets beside their slow twi
 bench-network: $(VENV)/dev.stamp ## Time the networks on one thread, the textbook's EdgeConv beside ours
 	$(BIN)/python -m benchmarks network $(ARGS)
 
+table1: $(VENV)/dev.stamp ## Write Table 1 and the coverage table of the shipped networks on fresh objects to tables/ (docs/results.md)
+	$(BIN)/viewgain evaluate table1 --fresh 20 --workers 2 --out tables $(ARGS)
+
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 
 clean: ## Remove .venv and everything that was generated
-	rm -rf $(VENV) build dist demo-report .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist demo-report tables .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # A stamp is written last, so what died halfway is made again; a change of the two files below makes .venv anew from nothing.
