@@ -68,6 +68,10 @@ def test_the_shares_of_networks_are_those_of_torch_by_hand(
     assert [table["split"] for table in both] == ["same_category", "other_category"]
     seen, unseen = (set(data.part("other_category", part).tolist()) for part in ("train", "test"))
     wanted_rows = [seen & set(data.part("same_category", "test").tolist()), unseen]
+    first, second = ({row["name"]: row["shares"]["mean"] for row in table["rows"]} for table in both)
+    assert both[0]["kept"] == []
+    for each in both[1]["kept"]:
+        assert each["shares"]["mean"] == pytest.approx(np.divide(second[each["name"]], first[each["name"]]))
     for table, rows in zip(both, wanted_rows, strict=True):
         assert (table["rig"], table["frame"], table["views"], table["samples"]) == ("pcnbv16", "object", 16, len(rows))
         by_name = {row["name"]: row for row in table["rows"]}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewgain.errors import DataError
-from viewgain.evaluation import difference_by_object, ratio_by_object, shares_by_object
+from viewgain.evaluation import difference_by_object, quotient_of_groups, ratio_by_object, shares_by_object
 
 
 def test_kin_of_one_object_do_not_narrow_the_interval() -> None:
@@ -68,3 +68,14 @@ def test_a_ratio_to_nothing_is_none_and_draws_of_nothing_are_passed_over() -> No
     found = ratio_by_object(rare / 2, rare, np.arange(6), rng=np.random.default_rng(0))
     assert found is not None
     assert (found.low, found.high) == ((0.5,), (0.5,))
+
+
+def test_a_quotient_of_two_groups_is_less_sure_than_one_of_pairs() -> None:
+    values = np.random.default_rng(1).random((40, 1)) + 0.2
+    paired = ratio_by_object(values, values, np.arange(40), rng=np.random.default_rng(2))
+    apart = quotient_of_groups((values, np.arange(40)), (values[::-1], np.arange(40)), rng=np.random.default_rng(2))
+    assert paired is not None
+    assert apart is not None
+    assert paired.low == paired.high == apart.mean == pytest.approx((1.0,))
+    assert apart.low[0] < 0.95 < 1.05 < apart.high[0]
+    assert quotient_of_groups((values, np.arange(40)), (0 * values, np.arange(40)), rng=np.random.default_rng(2)) is None

@@ -1,7 +1,7 @@
 """``viewgain evaluate``: networks beside floors, with intervals."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1, Judging
@@ -11,6 +11,10 @@ from viewgain.cli._judging import judged_data, named_scorers, note
 from viewgain.datasets import Dataset, Frame, make_folder, rig_of, write_whole
 from viewgain.errors import MissingExtraError, StorageError
 from viewgain.evaluation import (
+    SEEN,
+    Judgement,
+    Part,
+    Table1,
     coverage_to_markdown,
     fresh_parts,
     mesh_parts,
@@ -42,11 +46,7 @@ def _table1(command: EvaluateTable1) -> int:
             parts = trained_parts(data, command.split)
         else:
             parts = mesh_parts(data) if options.meshes is not None else fresh_parts(data, command.split)
-        tables = [
-            table1(data, scorers, part, target=command.target, frame=frame, seed=options.seed)
-            for frame, scorers in _by_frame(command, data)
-            for part in parts
-        ]
+        tables = [table for frame, scorers in _by_frame(command, data) for table in _judged(command, data, parts, frame, scorers)]
     _finish(
         options,
         "table1",
@@ -55,6 +55,18 @@ def _table1(command: EvaluateTable1) -> int:
         draw=lambda path: write_table1_picture(tables, path),
     )
     return 0
+
+
+def _judged(
+    command: EvaluateTable1, data: Dataset, parts: Sequence[Part], frame: Frame, scorers: dict[str, Scorer]
+) -> Iterator[Table1]:
+    """Yield the table of each part; unseen categories are held against the seen ones."""
+    seen: Judgement | None = None
+    for part in parts:
+        found = table1(data, scorers, part, target=command.target, frame=frame, seed=command.judging.seed, seen=seen)
+        if part.name == SEEN:
+            seen = found
+        yield found.table
 
 
 def _coverage(command: EvaluateCoverage) -> int:

@@ -2,6 +2,7 @@
 
 from viewgain.evaluation._bootstrap import Shares as Shares
 from viewgain.evaluation._bootstrap import difference_by_object as difference_by_object
+from viewgain.evaluation._bootstrap import quotient_of_groups as quotient_of_groups
 from viewgain.evaluation._bootstrap import ratio_by_object as ratio_by_object
 from viewgain.evaluation._bootstrap import shares_by_object as shares_by_object
 from viewgain.evaluation._constant import Constant as Constant
@@ -23,6 +24,7 @@ from viewgain.evaluation._objects import FRESH_SEED as FRESH_SEED
 from viewgain.evaluation._objects import data_plan as data_plan
 from viewgain.evaluation._objects import fresh_plan as fresh_plan
 from viewgain.evaluation._objects import mesh_plan as mesh_plan
+from viewgain.evaluation._parts import SEEN as SEEN
 from viewgain.evaluation._parts import SPLITS as SPLITS
 from viewgain.evaluation._parts import Part as Part
 from viewgain.evaluation._parts import UnitPart as UnitPart
@@ -43,6 +45,8 @@ from viewgain.evaluation._table1 import RANDOM as RANDOM
 from viewgain.evaluation._table1 import RESERVED as RESERVED
 from viewgain.evaluation._table1 import UNIFORM as UNIFORM
 from viewgain.evaluation._table1 import Difference as Difference
+from viewgain.evaluation._table1 import Judgement as Judgement
+from viewgain.evaluation._table1 import Kept as Kept
 from viewgain.evaluation._table1 import Row as Row
 from viewgain.evaluation._table1 import Table1 as Table1
 from viewgain.evaluation._table1 import table1 as table1

@@ -84,6 +84,39 @@ def ratio_by_object(
     return Shares(tuple((parts.sum(axis=0) / wholes.sum(axis=0)).tolist()), tuple(low.tolist()), tuple(high.tolist()))
 
 
+def quotient_of_groups(
+    first: tuple[ArrayLike, ArrayLike], second: tuple[ArrayLike, ArrayLike], *, rng: np.random.Generator, draws: int = DRAWS
+) -> Shares | None:
+    """Return mean of the first / mean of the second group with its interval; the objects of each are drawn by themselves.
+
+    Args:
+        first: (N, K) values and (N,) numbers of their objects.
+        second: (M, K) values and (M,) numbers of theirs.
+        rng: Draws.
+        draws: How often.
+
+    Returns:
+        None if the second mean of a column is 0. Draws in which it happens to be 0 are passed over.
+
+    Raises:
+        DataError: If a group has no samples.
+    """
+    means, drawn = [], []
+    for values, objects in (first, second):
+        table = np.asarray(values, dtype=float)
+        if len(table) == 0:
+            raise DataError("evaluation: got no samples, wanted some")
+        sums, counts = _per_object(table, np.asarray(objects))
+        weights = _weights(len(counts), rng, draws)
+        means.append(table.mean(axis=0))
+        drawn.append((weights @ sums) / (weights @ counts)[:, None])
+    if not np.all(means[1]):
+        return None
+    quotients = np.divide(drawn[0], drawn[1], out=np.full_like(drawn[0], np.nan), where=drawn[1] != 0)
+    low, high = np.nanquantile(quotients, [0.025, 0.975], axis=0)
+    return Shares(tuple((means[0] / means[1]).tolist()), tuple(low.tolist()), tuple(high.tolist()))
+
+
 def _weights(objects: int, rng: np.random.Generator, draws: int) -> Array:
     """Return (draws, O) how often each object is drawn."""
     return rng.multinomial(objects, np.full(objects, 1 / objects), size=draws).astype(float)

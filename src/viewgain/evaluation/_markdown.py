@@ -64,6 +64,7 @@ def _differences(table: Table1) -> list[str]:
     return [
         *_titled("Differences on the same samples, in points:", points),
         *_titled("The same as a share, in per cent:", shares),
+        *_titled("As a share of the figures on seen categories, in per cent:", [(e.name, *_cells(e.shares)) for e in table.kept]),
         *_titled("Share of the gap from the constant answer to 100 % that is closed, in per cent:", closed),
     ]
 

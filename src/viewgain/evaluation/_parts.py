@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from viewgain.datasets import Dataset, Plan, Unit
 from viewgain.errors import ConfigError, DataError
 
+SEEN, UNSEEN = "same_category", "other_category"
+"""Names of the divisions."""
 SPLITS = {
-    "same_category": "new objects of seen categories",
-    "other_category": "objects of unseen categories",
+    SEEN: "new objects of seen categories",
+    UNSEEN: "objects of unseen categories",
 }
 """What is judged under each division's name, in words."""
 MESHES = "meshes"

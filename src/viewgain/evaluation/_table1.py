@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from viewgain.arrays import Array
 from viewgain.datasets import Dataset, Frame, Skipped, rig_of
-from viewgain.evaluation._bootstrap import Shares, difference_by_object, ratio_by_object, shares_by_object
+from viewgain.evaluation._bootstrap import Shares, difference_by_object, quotient_of_groups, ratio_by_object, shares_by_object
 from viewgain.evaluation._constant import Chosen, Constant, constant_answer
 from viewgain.evaluation._families import Family, families, without_and_with
 from viewgain.evaluation._judged import Judged, read_judged
@@ -56,6 +56,15 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Kept:
+    """What of a network's figures on seen categories is left on others."""
+
+    name: str
+    shares: Shares
+    """Figure here / figure there; the objects of both are drawn anew by themselves."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Table1:
     """One table."""
 
@@ -85,10 +94,23 @@ class Table1:
     """Networks first, means over their seeds, then floors and the oracle."""
     differences: tuple[Difference, ...]
     """Families against the constant answer, without the view state against with it, each further one against the first."""
+    kept: tuple[Kept, ...] = ()
+    """Of each family, where seen categories were judged as well."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return the table as plain values for JSON, the limits with it."""
         return {"limits": list(POSITION_LIMITS), **dataclasses.asdict(self)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Judgement:
+    """A table, and what it was made from."""
+
+    table: Table1
+    hits: Mapping[str, Array]
+    """(N, 5) of each family."""
+    objects: NDArray[np.int64]
+    """(N,) number of each sample's object."""
 
 
 def table1(
@@ -99,8 +121,9 @@ def table1(
     target: str = "gain_published",
     frame: Frame | None = None,
     seed: int = 0,
-) -> Table1:
-    """Return the table of one part of a data set.
+    seen: Judgement | None = None,
+) -> Judgement:
+    """Return the table of one part of a data set, with what it was made from.
 
     Everyone chooses among the views that were not visited yet; ties are counted as :func:`viewgain.gain.hits` says.
 
@@ -111,6 +134,7 @@ def table1(
         target: Which scores of the data set count.
         frame: Frame that the points are brought into; None for the data's own.
         seed: Of intervals, halves and random choices.
+        seen: What the same networks did on seen categories, to hold this part against; None for nothing.
 
     Raises:
         ConfigError: If there is no such target, or a network is of another rig or frame.
@@ -134,7 +158,7 @@ def table1(
         )
         for name, each in (results | means | floors).items()
     )
-    return Table1(
+    table = Table1(
         data=str(data.manifest.recipe["name"]),
         split=part.name,
         title=part.title,
@@ -150,7 +174,19 @@ def table1(
         offsets=constant.offsets if constant else (),
         rows=rows,
         differences=_differences(means | floors, found, judged.objects, rng),
+        kept=() if seen is None else _kept(means, judged.objects, seen, rng),
     )
+    return Judgement(table=table, hits=means, objects=judged.objects)
+
+
+def _kept(means: Mapping[str, Array], objects: NDArray[np.int64], seen: Judgement, rng: np.random.Generator) -> tuple[Kept, ...]:
+    """Return the share of each family's figures that is left; families of which nothing was right there are left out."""
+    found = {
+        name: quotient_of_groups((each, objects), (seen.hits[name], seen.objects), rng=rng)
+        for name, each in means.items()
+        if name in seen.hits
+    }
+    return tuple(Kept(name=name, shares=shares) for name, shares in found.items() if shares is not None)
 
 
 def _differences(
