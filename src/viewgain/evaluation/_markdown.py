@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from viewgain.evaluation._bootstrap import Shares
-from viewgain.evaluation._table1 import CONSTANT, Table1
+from viewgain.evaluation._records import CONSTANT, Table1
 from viewgain.gain import POSITION_LIMITS
 
 COLUMNS = ("exact position", *(f"within {limit:g}" for limit in POSITION_LIMITS[1:]))

@@ -1,105 +1,25 @@
 """The paper's Table 1: how often the best view is chosen, or one nearly as good; beside floors and with intervals."""
 
-import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Array
-from viewgain.datasets import Dataset, Frame, Skipped, rig_of
-from viewgain.evaluation._bootstrap import Shares, difference_by_object, quotient_of_groups, ratio_by_object, shares_by_object
-from viewgain.evaluation._constant import Chosen, Constant, constant_answer
+from viewgain.datasets import Dataset, Frame, rig_of
+from viewgain.evaluation._bootstrap import difference_by_object, quotient_of_groups, ratio_by_object, shares_by_object
+from viewgain.evaluation._constant import Constant, constant_answer
 from viewgain.evaluation._families import Family, families, without_and_with
 from viewgain.evaluation._judged import Judged, read_judged
 from viewgain.evaluation._parts import Part
+from viewgain.evaluation._records import CONSTANT, ORACLE, RANDOM, UNIFORM, Difference, Kept, Row, Table1
 from viewgain.evaluation._scored import scored
-from viewgain.gain import POSITION_LIMITS, choices, hits, shortfall, uniform_hits
+from viewgain.gain import choices, hits, shortfall, uniform_hits
 from viewgain.inference import Scorer
 
-RESERVED = UNIFORM, RANDOM, CONSTANT, ORACLE = "uniform guess", "random", "constant answer", "oracle"
-"""Names of the rows that no network made."""
 _INTERVALS, _HALVES, _RANDOM = 0x7431, 0x7432, 0x7433
 """Streams under the seed."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """One way to choose."""
-
-    name: str
-    """What chooses."""
-    shares: Shares
-    """Of the samples, one per limit of ``viewgain.gain.POSITION_LIMITS``."""
-    seeds: int = 1
-    """How many networks it is the mean of."""
-    within: str | None = None
-    """Name of the mean over seeds that it is part of."""
-    milliseconds: float | None = None
-    """Median CPU time from a cloud to its scores, one thread; None where nothing is computed."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Difference:
-    """Two ways to choose on the same samples; several seeds are averaged first."""
-
-    first: str
-    second: str
-    shares: Shares
-    """First minus second, paired by object."""
-    share: Shares | None = None
-    """Of two networks: the first as a share of the second."""
-    closed: Shares | None = None
-    """Of a network against the constant answer: share of the gap from there to 1 that it closes."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Kept:
-    """What of a network's figures on seen categories is left on others."""
-
-    name: str
-    shares: Shares
-    """Figure here / figure there; the objects of both are drawn anew by themselves."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Table1:
-    """One table."""
-
-    data: str
-    """Name of the data set's recipe."""
-    split: str
-    """Which part is judged."""
-    title: str
-    """The same in words."""
-    rig: str
-    views: int
-    frame: Frame
-    """Frame of the points."""
-    target: str
-    """Scores that say what a view is worth."""
-    samples: int
-    objects: int
-    skipped: tuple[Skipped, ...]
-    """What of the data set could not be made."""
-    constant_chosen: Chosen | None
-    """How the constant answer was chosen; None if there is none."""
-    constant_samples: int
-    """On how many samples."""
-    offsets: tuple[int, ...]
-    """The constant answer, views from the present one: one, or one for each half of the objects."""
-    rows: tuple[Row, ...]
-    """Networks first, means over their seeds, then floors and the oracle."""
-    differences: tuple[Difference, ...]
-    """Families against the constant answer, without the view state against with it, each further one against the first."""
-    kept: tuple[Kept, ...] = ()
-    """Of each family, where seen categories were judged as well."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the table as plain values for JSON, the limits with it."""
-        return {"limits": list(POSITION_LIMITS), **dataclasses.asdict(self)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
