@@ -7,9 +7,9 @@ from pathlib import Path
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1, Judging
 from viewgain.cli._evaluate_coverage import covered
 from viewgain.cli._exit import NOT_WRITTEN, print_error
-from viewgain.cli._judging import judged_data, named_scorers, note
+from viewgain.cli._judging import check_options, judged_data, named_scorers, note
 from viewgain.datasets import Dataset, Frame, make_folder, rig_of, write_whole
-from viewgain.errors import MissingExtraError, StorageError
+from viewgain.errors import ConfigError, MissingExtraError, StorageError
 from viewgain.evaluation import (
     SEEN,
     Judgement,
@@ -24,6 +24,7 @@ from viewgain.evaluation import (
     to_markdown,
     trained_parts,
 )
+from viewgain.gain import PAPER
 from viewgain.inference import Scorer
 from viewgain.report import write_coverage_picture, write_table1_picture
 
@@ -41,12 +42,17 @@ def run_evaluate(command: Evaluate) -> int:
 
 def _table1(command: EvaluateTable1) -> int:
     options = command.judging
+    check_options(options)
+    named = named_scorers(options.models)
+    if options.data is None:
+        _refuse(named, command.frame or "object", PAPER.rig)  # before objects are made, which takes its time
     with judged_data(options) as data:
         if options.data is not None:
             parts = trained_parts(data, command.split)
         else:
             parts = mesh_parts(data) if options.meshes is not None else fresh_parts(data, command.split)
-        tables = [table for frame, scorers in _by_frame(command, data) for table in _judged(command, data, parts, frame, scorers)]
+        framed = _by_frame(command, data, named)
+        tables = [table for frame, each in framed for table in _judged(command, data, parts, frame, each)]
     _finish(
         options,
         "table1",
@@ -67,6 +73,14 @@ def _judged(
         if part.name == SEEN:
             seen = found
         yield found.table
+
+
+def _refuse(scorers: dict[str, Scorer], frame: Frame, rig: str) -> None:
+    """Raise ConfigError if a network is of another frame or rig."""
+    for scorer in scorers.values():
+        reason = scorer.refusal(frame=frame, rig=rig)
+        if reason:
+            raise ConfigError(f"evaluate: {reason}")
 
 
 def _coverage(command: EvaluateCoverage) -> int:
@@ -99,11 +113,11 @@ def _finish(options: Judging, name: str, *, as_json: str, as_markdown: str, draw
         note(f"no picture: {error}")
 
 
-def _by_frame(command: EvaluateTable1, data: Dataset) -> Sequence[tuple[Frame, dict[str, Scorer]]]:
+def _by_frame(command: EvaluateTable1, data: Dataset, named: dict[str, Scorer]) -> Sequence[tuple[Frame, dict[str, Scorer]]]:
     """Return the frames to judge in, each with its networks."""
     options, own = command.judging, command.frame or data.manifest.frame
     if options.models or options.floors_only:
-        return [(own, named_scorers(options.models))]
+        return [(own, named)]
     shipped = shipped_scorers(rig_of(data.manifest))
     frames: tuple[Frame, ...] = ("object", "camera")
     chosen = [own] if command.frame else sorted(frames, key=lambda frame: frame != own)

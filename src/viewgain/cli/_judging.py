@@ -27,18 +27,18 @@ def judged_data(options: Judging) -> Iterator[Dataset]:
     """Give the data set to judge on: a finished one, or one of fresh objects or given meshes in a folder that goes away.
 
     Raises:
-        ConfigError: If not exactly one source is named.
+        ConfigError: If there is no object to make.
         DataError: If there is no data set, or nothing of the objects could be made.
         MeshError: If there is no mesh.
         StorageError: If the temporary folder is full.
     """
-    check_options(options)
     if options.data is not None:
         yield Dataset(options.data)
         return
     with tempfile.TemporaryDirectory(prefix="viewgain-") as folder:
+        plan = planned(options)
         with bar("objects") as watch:
-            manifest = build(planned(options), Path(folder), engine=LocalEngine(options.workers), watch=watch)
+            manifest = build(plan, Path(folder), engine=LocalEngine(options.workers), watch=watch)
         say_skipped(manifest.skipped)
         yield Dataset(folder)
 

@@ -16,6 +16,8 @@ SPLITS = {
     UNSEEN: "objects of unseen categories",
 }
 """What is judged under each division's name, in words."""
+FRESH = {SEEN: "fresh objects of seen categories", UNSEEN: "fresh objects of unseen categories"}
+"""The same of objects that were made for the evaluation."""
 MESHES = "meshes"
 """Name of the part that meshes given by the user are."""
 _MESHES = "meshes given: no network may have seen them"
@@ -74,7 +76,7 @@ def fresh_parts(data: Dataset, split: str | None = None) -> tuple[Part, ...]:
         raise ConfigError(f"fresh objects: got division {split!r}, wanted {' or '.join(sides)}")
     none = np.zeros(0, dtype=np.intp)
     chosen = sides if split is None else {split: sides[split]}
-    return _filled(data, [_part(data, n, f"fresh {SPLITS[n]}", data.part("other_category", s), none) for n, s in chosen.items()])
+    return _filled(data, [_part(data, n, FRESH[n], data.part("other_category", s), none) for n, s in chosen.items()])
 
 
 def mesh_parts(data: Dataset) -> tuple[Part, ...]:
@@ -110,11 +112,9 @@ def unit_parts(plan: Plan, source: Literal["data", "fresh", "meshes"]) -> tuple[
     unseen = tuple(each for each in plan.units if each.splits["other_category"] == "test")
     if source == "data":
         seen = tuple(each for each in seen if each.splits["same_category"] == "test")
-    word = "fresh " if source == "fresh" else ""
+    titles = FRESH if source == "fresh" else SPLITS
     parts = [
-        UnitPart(name=name, title=word + SPLITS[name], units=units)
-        for name, units in zip(SPLITS, (seen, unseen), strict=True)
-        if units
+        UnitPart(name=name, title=titles[name], units=units) for name, units in zip(SPLITS, (seen, unseen), strict=True) if units
     ]
     if not parts:
         raise DataError(f"{plan.recipe.name}: got no object in a test part; build coverage data with more objects")

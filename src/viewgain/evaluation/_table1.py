@@ -63,6 +63,7 @@ def table1(
     results, times = _network_hits(data, judged, scorers, frame)
     found = families({name: scorer.card for name, scorer in scorers.items()})
     means = {each.name: np.mean([results[name] for name in each.members], axis=0) for each in found}
+    times |= {each.name: float(np.mean([times[name] for name in each.members])) for each in found}
     constant = constant_answer(judged, learned, rng=np.random.default_rng([seed, _HALVES]))
     floors = _floor_hits(judged, constant, np.random.default_rng([seed, _RANDOM]))
     rng = np.random.default_rng([seed, _INTERVALS])
