@@ -4,6 +4,8 @@ from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Outlook as Outlook
+from viewgain.plan._doubt import Hesitant as Hesitant
+from viewgain.plan._doubt import chances_of_best as chances_of_best
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order

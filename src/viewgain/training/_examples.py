@@ -58,8 +58,8 @@ def load_examples(data: Dataset, settings: DataSettings, *, views: int, seed: in
         seed: Of the draw of the points that are held.
 
     Raises:
-        DataError: If the data is of another rig, frame or target, has no sample that trains, or a sample without points.
-        ConfigError: If there is no such division.
+        DataError: If the data is of another rig or target, has no sample that trains, or a sample without points.
+        ConfigError: If there is no such division, or points are wanted in another frame and the object's pose is not known.
     """
     check_data(data, settings, views=views)
     chosen = np.arange(len(data))
@@ -74,14 +74,12 @@ def check_data(data: Dataset, settings: DataSettings, *, views: int) -> None:
     """Make sure that a data set is what a recipe is for.
 
     Raises:
-        DataError: If it is of another rig, frame or target.
+        DataError: If it is of another rig or target.
     """
     manifest = data.manifest
     rig = rig_of(manifest)
     if settings.rig and rig != settings.rig:
         raise DataError(f"{data.folder}: got data of rig {rig}, wanted {settings.rig}; name other data or another recipe")
-    if manifest.frame != settings.frame:
-        raise DataError(f"{data.folder}: got points in frame {manifest.frame}, wanted {settings.frame}; name other data")
     if settings.target not in manifest.targets:
         raise DataError(
             f"{data.folder}: got the scores {', '.join(manifest.targets) or 'none'}, wanted {settings.target}; name other data"
@@ -98,7 +96,7 @@ def _stacked(data: Dataset, chosen: NDArray[np.intp], settings: DataSettings, *,
     counts, present, objects = (np.zeros(count, dtype=np.int64) for _ in range(3))
     states, targets = np.zeros((count, views), dtype=bool), np.zeros((count, views), dtype=np.float32)
     for row, index in enumerate(chosen.tolist()):
-        sample = data[index]
+        sample = data[index].in_frame(settings.frame)
         _check_sample(data, index, sample, views)
         drawn = np.random.default_rng([seed, _RESIDENT, index]).permutation(len(sample.points))[:held]
         counts[row], present[row], objects[row] = len(drawn), sample.view, sample.object

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from torch import Tensor, nn
 
 from viewgain.gain import POSITION_LIMITS, choices, hits, shortfall
-from viewgain.network import score_loss, scores_of
+from viewgain.network import score_loss, scores_of, sigma_of
 from viewgain.training._batches import in_order, present_first
 from viewgain.training._examples import Examples
 from viewgain.training._settings import TrainingRecipe
@@ -29,10 +29,13 @@ class Validation:
     """Share where the chosen view is worth as much as the best."""
     within: tuple[float, ...]
     """Share where it is worth at most so much less, for each of ``viewgain.gain.POSITION_LIMITS`` over 0."""
+    sigma_ratio: float | None
+    """Root mean square of error / standard deviation over all views: 1 where the network is rightly sure, more where it is too
+    sure; None for a network without uncertainty."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures by name: ``loss``, ``exact``, ``within_0.05``, ..."""
-        figures = asdict(self)
+        """Return the figures by name: ``loss``, ``exact``, ``within_0.05``, ...; what the network does not give is left out."""
+        figures = {name: figure for name, figure in asdict(self).items() if figure is not None}
         figures.pop("within")
         return figures | named((self.exact, *self.within))
 
@@ -46,7 +49,7 @@ def named(shares: ArrayLike) -> dict[str, float]:
 def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows: NDArray[np.intp]) -> Validation:
     """Return how good a network's choices are on some samples; the model is put into evaluation mode and back."""
     points, uses_state = recipe.network.points, recipe.network.with_view_state
-    losses, right = [], []
+    losses, right, ratios = [], [], []
     was_training = model.training
     model.eval()
     with torch.inference_mode():
@@ -56,9 +59,18 @@ def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows:
             free = free_views(examples, chosen, rig_order=uses_state)
             picked = choices(scores_of(output).cpu().numpy(), free)
             right.append(hits(shortfall(batch.targets.cpu().numpy(), picked, free)))
+            sigma = sigma_of(output)
+            if sigma is not None:
+                ratios.append(((scores_of(output) - batch.targets) / sigma).square().mean(1).cpu().numpy())
     model.train(was_training)
     exact, *within = np.concatenate(right).mean(axis=0).tolist()
-    return Validation(samples=len(rows), loss=sum(losses) / len(rows), exact=exact, within=tuple(within))
+    return Validation(
+        samples=len(rows),
+        loss=sum(losses) / len(rows),
+        exact=exact,
+        within=tuple(within),
+        sigma_ratio=float(np.sqrt(np.concatenate(ratios).mean())) if ratios else None,
+    )
 
 
 def free_views(examples: Examples, rows: NDArray[np.intp], *, rig_order: bool) -> NDArray[np.bool_]:
