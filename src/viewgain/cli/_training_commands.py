@@ -1,4 +1,4 @@
-"""The commands about networks as dataclasses: the fields are the options, their docstrings the help."""
+"""The commands that make networks as dataclasses: the fields are the options, their docstrings the help."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,25 +47,3 @@ class Export:
     """Licence of the training data, with --source."""
     metrics: Path | None = None
     """JSON list of further figures for the card: name, split, value, interval, floors, unit."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Evaluate:
-    """Say how often networks choose the best view, beside floors, with intervals."""
-
-    table: tyro.conf.Positional[Literal["table1"]]
-    """Which table: table1 as in the paper."""
-    data: Path
-    """Folder of a coverage data set (viewgain dataset build)."""
-    models: tuple[str, ...] = ()
-    """Networks: .onnx files or shipped names; none for the floors alone."""
-    split: Literal["same_category", "other_category"] | None = None
-    """New objects of seen categories, or unseen categories; default a table of each that there is."""
-    target: str = "gain_published"
-    """Which scores of the data set say what a view is worth."""
-    seed: int = 0
-    """Of the intervals."""
-    json: bool = False
-    """One JSON object per table, one line each, and nothing else on stdout."""
-    out: Path | None = None
-    """Folder to write table1.md and table1.json into."""

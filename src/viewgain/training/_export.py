@@ -7,10 +7,10 @@ from typing import Any
 
 from viewgain.datasets import record
 from viewgain.errors import TrainingError
+from viewgain.gain import POSITION_LIMITS
 from viewgain.inference import Metric, ModelCard, Source
 from viewgain.network import export_onnx
 from viewgain.training._load import Trained, load_trained
-from viewgain.training._validation import THRESHOLDS
 
 TASK = "How much of an object's surface each of the rig's views would newly cover, from the partial cloud seen so far."
 """What the scores mean."""
@@ -101,6 +101,7 @@ def _training(trained: Trained) -> dict[str, str]:
     scaled = f"{recipe.network.uncertainty}, standard deviations times {ratio or 1:.3g}, as the validation objects showed"
     return {
         "recipe": recipe.name,
+        "data": f"recipe {facts['data_recipe']}, seed {facts.get('data_seed', 'not noted')}, plan {trained.record.plan[:12]}",
         **taught,
         **({} if ratio is None else {"uncertainty": scaled}),
         "target": recipe.data.target,
@@ -115,7 +116,7 @@ def _validation(trained: Trained) -> tuple[Metric, ...]:
     """Return the figures on the run's validation objects, which chose the weights and so flatter them a little."""
     figures, floors = trained.figures, trained.record.facts["floors"]
     split = f"{trained.record.facts['validation']['objects']} validation objects, which chose the weights"
-    names = {"exact": "exact position"} | {f"within_{limit}": f"within {limit} of the best view" for limit in THRESHOLDS}
+    names = {"exact": "exact position"} | {f"within_{limit}": f"within {limit} of the best view" for limit in POSITION_LIMITS[1:]}
     return tuple(
         Metric(
             name=words,
