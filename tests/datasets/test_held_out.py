@@ -1,4 +1,4 @@
-"""Categories that a recipe names as held out: they, and no others, are the test part by category, in procedural data and in folders."""
+"""Held-out categories: they, and no others, are the test part by category, in procedural data and in folders."""
 
 from dataclasses import replace
 from pathlib import Path
