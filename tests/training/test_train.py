@@ -9,11 +9,13 @@ import torch
 from tests.training.conftest import changed
 from viewgain.datasets import Dataset
 from viewgain.errors import ConfigError, DataError, TrainingError
+from viewgain.network import NetworkSettings, build
 from viewgain.training import (
     Checkpoint,
     Means,
     RunFolder,
     TrainingRecipe,
+    load_examples,
     load_trained,
     newest_good,
     read_checkpoint,
@@ -250,3 +252,23 @@ def test_the_loss_is_in_single_precision_whatever_the_network_computes_in(
     start(recipe, tmp_path / "run", data=data.folder)
     (line,) = [line["loss"] for line in RunFolder(tmp_path / "run").metrics() if "loss" in line]
     assert float(torch.tensor(line).bfloat16()) != line  # more digits than a half has
+
+
+def test_a_network_learns_from_where_a_cloud_was_seen_if_that_is_in_its_loss(data: Dataset, tmp_path: Path) -> None:
+    beliefs = []
+    for weight in (0.0, 1.0):
+        recipe = changed(training={"iterations": 60}, loss={"presence_weight": weight, "weight_decay": 0.0})
+        start(recipe, tmp_path / f"run{weight}", data=data.folder)
+        network = load_trained(tmp_path / f"run{weight}").module
+        examples = load_examples(data, recipe.data, views=16, seed=0)
+        points = examples.points[:, :32].float()
+        _, presence = network.located(points, torch.ones(points.shape[:2], dtype=torch.bool))
+        beliefs.append(torch.log_softmax(presence, dim=1).gather(1, examples.views[:, None]).mean().item())
+    assert beliefs[1] > beliefs[0] + 0.02
+
+
+def test_only_networks_that_say_from_where_a_cloud_was_seen_can_be_taught_it() -> None:
+    with pytest.raises(ConfigError, match="presence_weight"):
+        changed(network={"kind": "pc_nbv_noview"}, loss={"presence_weight": 0.1})
+    with pytest.raises(ConfigError, match="from where"):
+        build(NetworkSettings(kind="pc_nbv_noview", views=4)).located(torch.zeros(1, 5, 3), torch.ones(1, 5, dtype=torch.bool))

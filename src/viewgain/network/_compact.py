@@ -1,7 +1,7 @@
 """The compact networks: the same question and answer as PC-NBV at a fraction of its time (ours).
 
 What PC-NBV spends its time on is 1024 x 1024 numbers per point, attention between all points, and four searches for neighbours
-in feature space. Here the cloud is taken together twice (PointNet++, Qi et al. 2017), to 128 and to 32 points that each know
+in feature space. Here the cloud is taken together twice (PointNet++, Qi et al. 2017), to 64 and to 16 points that each know
 their surroundings, and then every candidate view asks those points what it would see.
 """
 
@@ -10,14 +10,14 @@ from torch import Tensor, nn
 
 from viewgain.network._abstraction import SetAbstraction
 from viewgain.network._inputs import ScoreNetwork
-from viewgain.network._neighbours import in_order
+from viewgain.network._neighbours import in_order, unrepeated
 from viewgain.network._output import outputs_of, shaped
 from viewgain.network._queries import ViewQueries
 from viewgain.network._settings import NetworkSettings
 
 
 class Compact(ScoreNetwork):
-    """Points, 128 centres, 32 centres, one feature of the cloud; then a query per view, and its scores."""
+    """Points, many centres, few centres, one feature of the cloud; then a query per view, and its scores."""
 
     def __init__(self, settings: NetworkSettings) -> None:
         """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
@@ -37,14 +37,29 @@ class Compact(ScoreNetwork):
 
     def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return the scores."""
+        if view_state is None:
+            return self._located(points, mask)[0]
+        return self._shaped(self._answers(points, mask, view_state))
+
+    def located(self, points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the scores with the present view first, and (B, V) logits of the present view being each of the rig's."""
+        return super().located(points, mask) if self.settings.with_view_state else self._located(points, unrepeated(points, mask))
+
+    def _located(self, points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
+        answers = self._answers(points, mask, None)
+        presence = answers[..., self.each]
+        return self._shaped(present_first(answers[..., : self.each], presence)), presence
+
+    def _answers(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
+        """Return (B, V, each) what the head says of each view; without the view state one more, the logit of its presence."""
         points, number = in_order(points, mask)
         fine_points, fine = self.fine(points, self.lift(points), number)
         coarse_points, coarse = self.coarse(fine_points, fine, torch.full_like(number, fine.shape[1]))
         near, far = torch.cat((fine, fine_points), dim=-1), torch.cat((coarse, coarse_points), dim=-1)
         cloud = torch.relu(self.cloud(torch.relu(self.wide(far).amax(1))))
-        answers = self.head(self.queries(cloud, far, near, view_state))  # (B, V, each + 1)
-        if view_state is None:
-            answers = present_first(answers[..., : self.each], answers[..., self.each])
+        return torch.as_tensor(self.head(self.queries(cloud, far, near, view_state)))
+
+    def _shaped(self, answers: Tensor) -> Tensor:
         return shaped(answers.transpose(1, 2).reshape(-1, self.each * self.settings.views), self.settings)
 
 

@@ -44,6 +44,18 @@ class ScoreNetwork(nn.Module, ABC):
         self._check(view_state, len(points))
         return self.scored(points, unrepeated(points, mask), None if view_state is None else view_state.to(points.dtype))
 
+    def located(self, points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
+        """Return scores as :meth:`forward`, and (B, V) logits of the present view being each of the rig's.
+
+        Args:
+            points: (B, N, 3) as for :meth:`forward`.
+            mask: (B, N) likewise.
+
+        Raises:
+            ConfigError: If the network does not say from where a cloud was seen.
+        """
+        raise ConfigError(f"network {self.settings.kind}: does not say from where a cloud was seen; wanted compact")
+
     @abstractmethod
     def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return as :meth:`forward`, of sound inputs in which no real point is repeated: what is exported."""

@@ -32,6 +32,9 @@ class LossSettings:
     """Factor on the loss of the order."""
     temperature: float = 0.02
     """Difference of scores that counts as clear, in units of the scores; smaller looks more at the best view alone."""
+    presence_weight: float = 0.0
+    """Weight of the cross entropy of the present view, for networks that say from where they believe a cloud was seen (compact
+    without view state). Their scores alone teach them that slowly. The camera of a training cloud is always known."""
     evidence_weight: float = 0.01
     """Factor on error times evidence in the evidential loss (Amini et al. 2020: lambda; 0.01 in their example)."""
     weight_decay: float = 1e-4
@@ -43,8 +46,9 @@ class LossSettings:
             raise ConfigError(
                 f"loss: got kind {self.kind!r} and ranking {self.ranking!r}, wanted one of {kinds} and one of {rankings}"
             )
-        if self.temperature <= 0 or min(self.weight_decay, self.ranking_weight, self.evidence_weight) < 0:
-            raise ConfigError("loss: wanted a temperature over 0; weight_decay, ranking_weight and evidence_weight of 0 or more")
+        weights = (self.weight_decay, self.ranking_weight, self.presence_weight, self.evidence_weight)
+        if self.temperature <= 0 or min(weights) < 0:
+            raise ConfigError("loss: wanted a temperature over 0, and all weights of 0 or more")
 
 
 def score_loss(output: Tensor, target: Tensor, settings: LossSettings, *, valid: Tensor | None = None) -> Tensor:

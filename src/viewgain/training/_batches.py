@@ -34,6 +34,8 @@ class Batch:
     """(B, V) float32, 1 for visited views, in rig order; None for networks that are not told."""
     targets: Tensor
     """(B, V) float32: in rig order with states, else with the present view first."""
+    views: Tensor
+    """(B,) int64: the present view."""
     taught: Tensor | None = None
     """(B, V) float32: a teacher's scores in the same order; None without a teacher."""
 
@@ -118,6 +120,7 @@ class Batches:
             mask=whole.mask[part],
             states=None if whole.states is None else whole.states[part],
             targets=whole.targets[part],
+            views=whole.views[part],
             taught=taught,
         )
 
@@ -174,8 +177,8 @@ def drawn_points(examples: Examples, rows: Tensor, points: int, generator: torch
 
 def _batch(points: Tensor, mask: Tensor, views: Tensor, states: Tensor, targets: Tensor, *, uses_state: bool) -> Batch:
     if uses_state:
-        return Batch(points=points, mask=mask, states=states.float(), targets=targets)
-    return Batch(points=points, mask=mask, states=None, targets=present_first(targets, views))
+        return Batch(points=points, mask=mask, states=states.float(), targets=targets, views=views)
+    return Batch(points=points, mask=mask, states=None, targets=present_first(targets, views), views=views)
 
 
 def present_first(scores: Tensor, views: Tensor) -> Tensor:

@@ -9,10 +9,11 @@ from typing import Any
 
 import torch
 from torch import Tensor, nn
+from torch.nn.functional import cross_entropy
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from viewgain.errors import ConfigError, TrainingError
-from viewgain.network import LossSettings, build, score_loss
+from viewgain.network import LossSettings, ScoreNetwork, build, score_loss
 from viewgain.training._batches import Batch, Batches
 from viewgain.training._checkpoint import Checkpoint
 from viewgain.training._ranks import Ranks
@@ -33,11 +34,11 @@ class Session:
         _check_shares(recipe, ranks)
         self.recipe, self.step, self.rate = recipe, 0, 0.0
         self._batches, self._device, self._ranks = batches, device, ranks
-        self.model: nn.Module = build(recipe.network, generator=torch.Generator().manual_seed(settings.seed)).to(device)
+        self.model: ScoreNetwork = build(recipe.network, generator=torch.Generator().manual_seed(settings.seed)).to(device)
         average = get_ema_multi_avg_fn(settings.average)  # type: ignore[no-untyped-call, unused-ignore]
         self._average = AveragedModel(self.model, multi_avg_fn=average) if settings.average else None
         self._optimizer = torch.optim.Adam(_groups(self.model, recipe.loss.weight_decay), lr=settings.learning_rate)
-        self._joined = ranks.joined(self.model)
+        self._joined = ranks.joined(_Answers(self.model, located=recipe.loss.presence_weight > 0))
         self._joined.train()
 
     @property
@@ -104,10 +105,24 @@ class Session:
     def _loss(self, batch: Batch) -> Tensor:
         half = self.recipe.training.precision == "bfloat16"
         with torch.autocast(torch.device(self._device).type, dtype=torch.bfloat16, enabled=half):
-            output = self._joined(batch.points, batch.mask, batch.states)
+            output, presence = self._joined(batch.points, batch.mask, batch.states)
         loss = _labelled(output.float(), batch, self.recipe)
         # Gradients are averaged over processes, but a sum over the whole batch is the sum of theirs.
-        return loss * self._ranks.size if self.recipe.loss.kind == "half_sum" else loss
+        loss = loss * self._ranks.size if self.recipe.loss.kind == "half_sum" else loss
+        if presence is None:
+            return loss
+        return loss + self.recipe.loss.presence_weight * cross_entropy(presence.float(), batch.views)
+
+
+class _Answers(nn.Module):
+    """A network's scores, and where wanted from which view it believes a cloud was seen; one call, so that gradients join."""
+
+    def __init__(self, network: ScoreNetwork, *, located: bool) -> None:
+        super().__init__()
+        self.network, self.located = network, located
+
+    def forward(self, points: Tensor, mask: Tensor, states: Tensor | None) -> tuple[Tensor, Tensor | None]:
+        return self.network.located(points, mask) if self.located else (self.network(points, mask, states), None)
 
 
 def _labelled(output: Tensor, batch: Batch, recipe: TrainingRecipe) -> Tensor:

@@ -149,3 +149,8 @@ class TrainingRecipe:
                 f"training recipe {self.name}: got a loss of kind {self.loss.kind!r} for a network of uncertainty"
                 f" {self.network.uncertainty!r}, wanted {' or '.join(kinds)}"
             )
+        if self.loss.presence_weight and self.network.kind != "compact":
+            raise ConfigError(
+                f"training recipe {self.name}: got a presence_weight for a network of kind {self.network.kind}, which does not"
+                " say from where a cloud was seen; wanted compact, or presence_weight = 0"
+            )
