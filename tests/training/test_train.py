@@ -257,14 +257,18 @@ def test_the_loss_is_in_single_precision_whatever_the_network_computes_in(
 def test_a_network_learns_from_where_a_cloud_was_seen_if_that_is_in_its_loss(data: Dataset, tmp_path: Path) -> None:
     beliefs = []
     for weight in (0.0, 1.0):
-        recipe = changed(training={"iterations": 60}, loss={"presence_weight": weight, "weight_decay": 0.0})
+        recipe = changed(
+            network={"width": 16},
+            training={"iterations": 60, "batch": 16, "learning_rate": 3e-3, "average": 0.0, "validate_every": 60},
+            loss={"presence_weight": weight, "weight_decay": 0.0},
+        )
         start(recipe, tmp_path / f"run{weight}", data=data.folder)
         network = load_trained(tmp_path / f"run{weight}").module
         examples = load_examples(data, recipe.data, views=16, seed=0)
         points = examples.points[:, :32].float()
         _, presence = network.located(points, torch.ones(points.shape[:2], dtype=torch.bool))
         beliefs.append(torch.log_softmax(presence, dim=1).gather(1, examples.views[:, None]).mean().item())
-    assert beliefs[1] > beliefs[0] + 0.02
+    assert beliefs[1] > beliefs[0] + 0.1
 
 
 def test_only_networks_that_say_from_where_a_cloud_was_seen_can_be_taught_it() -> None:
