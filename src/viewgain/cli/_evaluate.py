@@ -1,11 +1,12 @@
-"""``viewgain evaluate``: the paper's Table 1 of networks, beside floors and with intervals."""
+"""``viewgain evaluate``: Table 1 of networks, beside floors and with intervals; the others by modules of their own."""
 
 import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from viewgain.cli._exit import NOT_WRITTEN, print_error
-from viewgain.cli._training_commands import Evaluate
+from viewgain.cli._training_commands import Evaluate, EvaluateTable1
+from viewgain.cli._volume_commands import EvaluateVolume
 from viewgain.datasets import Dataset, make_folder, write_whole
 from viewgain.errors import ConfigError, DataError, StorageError
 from viewgain.evaluation import RESERVED, SPLITS, judged_rows, table1, to_markdown
@@ -13,6 +14,15 @@ from viewgain.inference import Scorer
 
 
 def run_evaluate(command: Evaluate) -> int:
+    """Run one of the evaluations."""
+    if isinstance(command.what, EvaluateVolume):
+        from viewgain.cli._evaluate_volume import run_evaluate_volume
+
+        return run_evaluate_volume(command.what)
+    return _run_table1(command.what)
+
+
+def _run_table1(command: EvaluateTable1) -> int:
     """Print the tables; exit code 4 if the folder cannot be written."""
     data = Dataset(command.data)
     scorers = _scorers(command.models)

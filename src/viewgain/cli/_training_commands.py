@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import tyro
 
+from viewgain.cli._volume_commands import EvaluateVolume
+
 
 @dataclass(frozen=True, kw_only=True)
 class Train:
@@ -48,11 +50,9 @@ class Export:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Evaluate:
-    """Say how often networks choose the best view, beside floors, with intervals."""
+class EvaluateTable1:
+    """Say how often networks choose the best view, beside floors, with intervals: the paper's Table 1."""
 
-    table: tyro.conf.Positional[Literal["table1"]]
-    """Which table: table1 as in the paper."""
     data: Path
     """Folder of a coverage data set (viewgain dataset build)."""
     models: tuple[str, ...] = ()
@@ -67,3 +67,13 @@ class Evaluate:
     """One JSON object per table, one line each, and nothing else on stdout."""
     out: Path | None = None
     """Folder to write table1.md and table1.json into."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluate:
+    """Say how well views are chosen, beside floors, with intervals."""
+
+    what: tyro.conf.OmitSubcommandPrefixes[
+        Annotated[EvaluateTable1, tyro.conf.subcommand("table1")] | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
+    ]
+    """What to evaluate."""

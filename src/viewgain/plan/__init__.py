@@ -4,6 +4,9 @@ from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Outlook as Outlook
+from viewgain.plan._expected import ExpectedErrorPolicy as ExpectedErrorPolicy
+from viewgain.plan._expected import expected_error as expected_error
+from viewgain.plan._expected import fused_expected_error as fused_expected_error
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order
@@ -17,6 +20,8 @@ from viewgain.plan._policy import Policy as Policy
 from viewgain.plan._policy import RandomPolicy as RandomPolicy
 from viewgain.plan._predict import Prediction as Prediction
 from viewgain.plan._predict import predict as predict
+from viewgain.plan._showing import Showing as Showing
+from viewgain.plan._showing import showing as showing
 from viewgain.plan._views import Seen as Seen
 from viewgain.plan._views import ViewPolicy as ViewPolicy
 from viewgain.plan._views import choose as choose
