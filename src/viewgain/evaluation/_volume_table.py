@@ -90,7 +90,7 @@ def volume_table(settings: VolumeSettings, runs: Sequence[VolumeRun], policies: 
         boxes=len(runs),
         reachable=float(np.mean([run.reachable.sum() for run in runs])),
         best=float(np.mean(counts)),
-        no_choice=sum(count == run.reachable.sum() for count, run in zip(counts, runs, strict=True)),
+        no_choice=sum(count == int(run.reachable.sum()) for count, run in zip(counts, runs, strict=True)),
         missed=float(np.mean(np.concatenate([np.isnan(run.errors[run.reachable]).ravel() for run in runs]))),
         ceiling=shares_by_object(halves, boxes, rng=rng),
         rows=tuple(

@@ -20,12 +20,13 @@ from viewgain.plan._showing import Showing, showing
 
 MEAN_OF_NORMAL = float(np.sqrt(2 / np.pi))
 """Mean of |x| over the standard deviation of a normal x."""
-OPEN_WEIGHT, CUT_WEIGHT, FEW_WEIGHT, ALWAYS = 3.0, 3.0, 1.0, 0.05
-"""Of the logarithm of odds that a scan gives no volume: per natural logarithm by which a dimension's relative standard deviation
-exceeds what counts as open; for a cut box one of whose dimensions is not seen from end to end; per natural logarithm by which
-returns fall short of :data:`FEW`; and the share that fails whatever is seen. Fitted to simulated scans (docs/volume_nbv.md)."""
-FEW = 100.0
-"""Returns under which a measurement begins to fail."""
+CUT, CUT_AND_LONG = 0.17, 0.99
+"""Chance that a scan of a box that leaves the image gives no volume: where it shows every dimension from end to end, and where
+it does not. Like the next two numbers read off 1,148 simulated scans of 150 boxes by a pico flexx, of seeds used for nothing else."""
+FEW, FEW_POWER = 800.0, 2.0
+"""Returns at which every second measurement fails, and the power of the odds: (800 / returns)^2."""
+OPEN_POWER = 3.0
+"""Power of the odds that a dimension stays open: of its relative standard deviation over the share that counts as open."""
 
 
 def expected_error(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float = 1.0) -> float:
@@ -68,15 +69,24 @@ def fused_expected_error(
 
 def of_shown(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
     """Return the expected |relative volume error| where ``known`` is what the views ``seen`` say together."""
-    sigma = np.sqrt(np.diag(known.covariance(sensor))[6:])
-    looseness = float(np.max(sigma / (OPEN_SHARE * box.extents)))
-    spanned = np.any([view.spanned for view in seen], axis=0)
-    unbounded = any(view.cut for view in seen) and not spanned.all()
-    returns = max(view.returns for view in seen)
-    odds = OPEN_WEIGHT * np.log(max(looseness, 1e-6)) + CUT_WEIGHT * unbounded + FEW_WEIGHT * np.log(FEW / max(returns, 1.0))
-    missed = ALWAYS + (1 - ALWAYS) / (1 + np.exp(-odds))
+    missed = chance_of_no_volume(box, known, seen, sensor)
     off = min(MEAN_OF_NORMAL * relative_sigma(known, box, sensor), 1.0)
     return float(missed + (1 - missed) * off)
+
+
+def chance_of_no_volume(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
+    """Return how likely there is no volume: a dimension stays open, the box leaves the image, or too little comes back.
+
+    The three count as independent; arguments as :func:`of_shown`.
+    """
+    sigma = np.sqrt(np.diag(known.covariance(sensor))[6:])
+    looseness = float(np.max(sigma / (OPEN_SHARE * box.extents)))
+    still_open = 1 - 1 / (1 + looseness**OPEN_POWER)
+    few = 1 - 1 / (1 + (FEW / max(*(view.returns for view in seen), 1.0)) ** FEW_POWER)
+    cut = 0.0
+    if all(view.cut for view in seen):
+        cut = CUT if np.any([view.spanned for view in seen], axis=0).all() else CUT_AND_LONG
+    return float(1 - (1 - still_open) * (1 - cut) * (1 - few))
 
 
 @dataclass(frozen=True, slots=True)
