@@ -102,8 +102,8 @@ def test_what_contradicts_itself_is_not_written(tmp_path: Path) -> None:
     network, card = build(settings), card_of(settings)
     spoilt, huge = build(settings), build(settings)
     with torch.no_grad():
-        spoilt.lift.weight[0, 0] = torch.nan
-        huge.lift.weight[0, 0] = 1e5
+        spoilt.wide.weight[0, 0] = torch.nan
+        huge.wide.weight[0, 0] = 1e5
     few = small_settings("compact", points=8)
     for module, given, told, path in (
         (network, card_of(small_settings("compact", views=5)), settings, "n.onnx"),

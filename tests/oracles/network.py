@@ -29,14 +29,6 @@ def dense_edge_conv(block: nn.Module, features: Tensor, neighbours: Tensor) -> T
     return layers.max(dim=1).values
 
 
-def edge_max(block: nn.Module, features: Tensor, neighbours: Tensor) -> Tensor:
-    """Return (n, out) from (n, C): a layer on (x_i, x_j), relu, then the maximum."""
-    centre = features[:, None].expand(-1, neighbours.shape[1], -1)
-    weight = torch.cat((block.own.weight, block.other.weight), dim=1)
-    edges = torch.cat((centre, features[neighbours]), dim=-1)
-    return torch.relu(linear(edges, weight, block.own.bias)).max(dim=1).values
-
-
 def on_joined(layer: nn.Linear, points: Tensor, cloud: Tensor) -> Tensor:
     """Return (n, out) of a layer on points with the cloud's feature repeated beside each."""
     return linear(torch.cat((points, cloud.expand(len(points), -1)), dim=-1), layer.weight, layer.bias)
@@ -60,14 +52,54 @@ def pc_nbv(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Ten
     return network.head(network.shared(attended).max(dim=0).values)
 
 
+def set_abstraction(block: nn.Module, places: Tensor, features: Tensor) -> tuple[Tensor, Tensor]:
+    """Return (M, 3) and (M, out) from (n, 3) and (n, C): a layer on (x_i, x_j), the maximum over edges, relu, a layer."""
+    joined = torch.cat((features, places), dim=-1)
+    weight = torch.cat((block.own.weight, block.other.weight), dim=1)
+    chosen = [i * len(places) // block.centres for i in range(block.centres)]
+    lean = 1e-5 * (places @ torch.tensor([0.61, 0.41, 0.73], dtype=places.dtype))
+    mixed = []
+    for i in chosen:
+        apart = (places - places[i]).square().sum(-1) + lean
+        near = torch.argsort(apart, stable=True)[: block.neighbours]
+        edges = torch.cat((joined[i].expand(len(near), -1), joined[near]), dim=-1)
+        mixed.append(torch.relu(linear(edges, weight, block.own.bias)).max(dim=0).values)
+    return places[chosen], torch.relu(block.after(torch.stack(mixed)))
+
+
+def ask(block: nn.Module, queries: Tensor, points: Tensor) -> Tensor:
+    """Return (V, Q) of attention, head by head and view by view."""
+    size = queries.shape[-1] // 4
+    keys, values = block.key(points), block.value(points)
+    found = [
+        torch.cat(
+            [
+                torch.softmax(keys[:, part] @ query[part] / size**0.5, dim=0) @ values[:, part]
+                for part in (slice(head * size, (head + 1) * size) for head in range(4))
+            ]
+        )
+        for query in queries
+    ]
+    return block.out(torch.stack(found))
+
+
 def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Tensor:
     """Return the (outputs,) of one cloud (n, 3), view state (V,) or None."""
-    neighbours = nearest_by_hand(points, network.settings.neighbours, points, 0.1)
-    layers = [torch.relu(network.lift(points))]
-    for edge in network.edges:
-        layers.append(edge_max(edge, layers[-1], neighbours))
-    local = torch.relu(network.local(torch.cat(layers, dim=-1)))
-    cloud = local.max(dim=0, keepdim=True).values
-    cloud = cloud if view_state is None else torch.cat((cloud, view_state[None]), dim=-1)
-    wide = network.wide(torch.relu(on_joined(network.beside, local, cloud)))
-    return network.head(torch.relu(wide.max(dim=0).values))
+    points = points[torch.argsort(points @ torch.tensor([0.61, 0.41, 0.73], dtype=points.dtype))]
+    near, fine = set_abstraction(network.fine, points, network.lift(points))
+    far, coarse = set_abstraction(network.coarse, near, fine)
+    fine, coarse = torch.cat((fine, near), dim=-1), torch.cat((coarse, far), dim=-1)
+    cloud = torch.relu(network.cloud(torch.relu(network.wide(coarse).max(dim=0).values)))
+    asks = network.queries
+    views = []
+    for k, query in enumerate(asks.view):
+        told = cloud if view_state is None else torch.cat((cloud, view_state[k : k + 1]))
+        views.append(query + asks.whole(told))
+    found = torch.stack(views)
+    found = found + ask(asks.ask[0], found, coarse)
+    found = found + asks.think(found)
+    answers = network.head(torch.relu(found + ask(asks.ask[1], found, fine)))
+    if view_state is None:
+        chances = torch.softmax(answers[:, -1], dim=0)
+        answers = sum(chance * torch.roll(answers[:, :-1], -view, dims=0) for view, chance in enumerate(chances))
+    return answers.T.flatten() if answers.shape[1] > 1 else answers[:, 0]

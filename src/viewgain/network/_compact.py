@@ -1,58 +1,59 @@
 """The compact networks: the same question and answer as PC-NBV at a fraction of its time (ours).
 
 What PC-NBV spends its time on is 1024 x 1024 numbers per point, attention between all points, and four searches for neighbours
-in feature space. Here there is one search, in space, and edges carry no layers of their own: a layer on edges followed by a
-maximum, max_j (A x_i + B x_j), is A x_i + max_j B x_j, so B x is computed per point and only its maximum is taken along edges.
+in feature space. Here the cloud is taken together twice (PointNet++, Qi et al. 2017), to 128 and to 32 points that each know
+their surroundings, and then every candidate view asks those points what it would see.
 """
 
 import torch
 from torch import Tensor, nn
 
-from viewgain.network._inputs import ScoreNetwork, joined
-from viewgain.network._layers import Perceptron, SplitLinear, pooled
-from viewgain.network._neighbours import highest, nearest_in_space
+from viewgain.network._abstraction import SetAbstraction
+from viewgain.network._inputs import ScoreNetwork
+from viewgain.network._neighbours import in_order
 from viewgain.network._output import outputs_of, shaped
+from viewgain.network._queries import ViewQueries
 from viewgain.network._settings import NetworkSettings
 
 
-class EdgeMax(nn.Module):
-    """An edge convolution of one layer: relu of the maximum over neighbours of W (x_i, x_j).
-
-    Shapes: (B, N, C) and rows (B, N, k) to (B, N, out).
-    """
-
-    def __init__(self, channels: int, outputs: int) -> None:
-        """Take the channels of a point before and after."""
-        super().__init__()
-        self.own = nn.Linear(channels, outputs)
-        self.other = nn.Linear(channels, outputs, bias=False)
-
-    def forward(self, features: Tensor, rows: Tensor) -> Tensor:
-        """Return the features of :class:`EdgeMax`; ``rows`` as :func:`nearest` gives them."""
-        return torch.relu(self.own(features) + highest(self.other(features), rows))
-
-
 class Compact(ScoreNetwork):
-    """Three edge convolutions on one graph, the cloud's feature shown back to its points, maximum, scores."""
+    """Points, 128 centres, 32 centres, one feature of the cloud; then a query per view, and its scores."""
 
     def __init__(self, settings: NetworkSettings) -> None:
         """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
         super().__init__(settings)
-        width = settings.width
-        self.lift = nn.Linear(3, width)
-        self.edges = nn.ModuleList((EdgeMax(width, width), EdgeMax(width, width), EdgeMax(width, 2 * width)))
-        self.local = nn.Linear(5 * width, 3 * width)
-        self.beside = SplitLinear(6 * width + (settings.views if settings.with_view_state else 0), 3 * width)
-        self.wide = nn.Linear(3 * width, 6 * width)
-        self.head = Perceptron((6 * width, 4 * width, 2 * width, outputs_of(settings)))
+        width, views, told = settings.width, settings.views, settings.with_view_state
+        many, few = settings.centres
+        self.lift = nn.Sequential(nn.Linear(3, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU())
+        self.fine = SetAbstraction(width, 2 * width, 4 * width, centres=many, neighbours=settings.neighbours)
+        self.coarse = SetAbstraction(4 * width, 4 * width, 8 * width, centres=few, neighbours=settings.neighbours)
+        self.wide = nn.Linear(8 * width + 3, 16 * width)
+        self.cloud = nn.Linear(16 * width, 8 * width)
+        self.queries = ViewQueries(views, 4 * width, cloud=8 * width, coarse=8 * width + 3, fine=4 * width + 3, told=told)
+        self.each = outputs_of(settings) // views
+        self.head = nn.Sequential(
+            nn.Linear(4 * width, 8 * width), nn.ReLU(), nn.Linear(8 * width, self.each + (0 if told else 1))
+        )
 
     def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return the scores."""
-        rows = nearest_in_space(points, mask, self.settings.neighbours)
-        layers = [torch.relu(self.lift(points))]
-        for edge in self.edges:
-            layers.append(edge(layers[-1], rows))
-        local = torch.relu(self.local(torch.cat(layers, dim=-1)))  # (B, N, 3 width)
-        beside = torch.relu(self.beside(local, joined(pooled(local, mask), view_state)))
-        cloud = torch.relu(pooled(self.wide(beside), mask))  # (B, 6 width)
-        return shaped(self.head(cloud), self.settings)
+        points, number = in_order(points, mask)
+        fine_points, fine = self.fine(points, self.lift(points), number)
+        coarse_points, coarse = self.coarse(fine_points, fine, torch.full_like(number, fine.shape[1]))
+        near, far = torch.cat((fine, fine_points), dim=-1), torch.cat((coarse, coarse_points), dim=-1)
+        cloud = torch.relu(self.cloud(torch.relu(self.wide(far).amax(1))))
+        answers = self.head(self.queries(cloud, far, near, view_state))  # (B, V, each + 1)
+        if view_state is None:
+            answers = present_first(answers[..., : self.each], answers[..., self.each])
+        return shaped(answers.transpose(1, 2).reshape(-1, self.each * self.settings.views), self.settings)
+
+
+def present_first(answers: Tensor, presence: Tensor) -> Tensor:
+    """Return (B, V, c) answers in rig order with the present view first, which is not known: it is each view with some chance.
+
+    The chances are the softmax of ``presence`` (B, V), and what is returned is the mean of the rolled answers under them. In the
+    object's frame a partial cloud tells from where it was seen, so one view gets nearly all of it.
+    """
+    views = torch.arange(answers.shape[1], device=answers.device)
+    rolled = answers[:, (views[:, None] + views) % len(views)]  # (B, V, V, c): row v as if v were the present view
+    return (torch.softmax(presence, dim=-1)[..., None, None] * rolled).sum(1)

@@ -31,8 +31,10 @@ class NetworkSettings:
     """Widths of the layers that every point passes (the paper-size networks)."""
     head: tuple[int, ...] = (1024, 512, 256)
     """Widths of the layers that the cloud's one feature passes (the paper-size networks); a last one gives the V scores."""
-    width: int = 64
-    """Channels of the first layers of the compact networks; all others are multiples of it. 64 with 12 neighbours is quick."""
+    width: int = 32
+    """Channels of the first layers of the compact networks; all others are multiples of it."""
+    centres: tuple[int, int] = (128, 32)
+    """Points that a cloud is taken together to, first and then (the compact networks)."""
     uncertainty: Uncertainty = "none"
     """``gaussian``: a second number per view, the logarithm of the score's variance."""
 
@@ -40,9 +42,10 @@ class NetworkSettings:
         if self.kind not in get_args(Kind) or self.uncertainty not in get_args(Uncertainty):
             wanted = f"one of {', '.join(get_args(Kind))} and one of {', '.join(get_args(Uncertainty))}"
             raise ConfigError(f"network: got kind {self.kind!r} and uncertainty {self.uncertainty!r}, wanted {wanted}")
-        counts = (self.views, self.points, self.neighbours, self.growth, self.blocks, self.width, *self.shared, *self.head)
-        if min(counts) < 1 or not self.shared or not self.head:
-            raise ConfigError("network: wanted views, points, neighbours, growth, blocks and all widths of at least one")
+        widths = (self.growth, self.width, *self.shared, *self.head)
+        counts = (self.views, self.points, self.neighbours, self.blocks, *self.centres)
+        if min(*widths, *counts) < 1 or not self.shared or not self.head:
+            raise ConfigError("network: wanted views, points, neighbours, blocks, centres and all widths of at least one")
 
     @property
     def with_view_state(self) -> bool:
