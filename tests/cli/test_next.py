@@ -9,8 +9,8 @@ import pytest
 from viewgain.cli import main
 
 FIRST_KEYS = {"schema", "rig", "objective", "policy", "current", "candidates", "best", "stop"}
-KEYS = FIRST_KEYS | {"p_within_tolerance", "tolerance", "confidence", "reason"}
-VERDICT_KEYS = {"score", "volume_sigma_m3", "p_within_tolerance", "reachable"}
+KEYS = FIRST_KEYS | {"p_within_tolerance", "tolerance", "confidence", "reason", "abstention"}
+VERDICT_KEYS = {"score", "score_sigma", "volume_sigma_m3", "p_within_tolerance", "reachable"}
 CANDIDATE_KEYS = VERDICT_KEYS | {"index", "camera_to_current", "faces", "cut", "border_share"}
 
 

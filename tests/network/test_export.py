@@ -10,7 +10,16 @@ import torch
 from tests.oracles.networks_on_disk import card_of, exported, small_settings
 from viewgain.errors import ConfigError
 from viewgain.inference import CARD_KEY, ModelCard, Scorer
-from viewgain.network import Kind, NetworkSettings, build, export_onnx, half_rounded
+from viewgain.network import (
+    Kind,
+    NetworkSettings,
+    build,
+    export_onnx,
+    half_rounded,
+    log_variance_of,
+    scores_of,
+    sigma_of,
+)
 
 KINDS = get_args(Kind)
 
@@ -29,7 +38,7 @@ def clouds(rng: np.random.Generator, batch: int, number: int, *, on_grid: bool =
     return points.astype(np.float32), mask
 
 
-@pytest.mark.parametrize("uncertainty", ["none", "gaussian"])
+@pytest.mark.parametrize("uncertainty", ["none", "gaussian", "evidential"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_file_computes_what_torch_computes_for_any_batch_and_number(kind: Kind, uncertainty: str, tmp_path: Path) -> None:
     settings = small_settings(kind, uncertainty=uncertainty)
@@ -39,8 +48,30 @@ def test_the_file_computes_what_torch_computes_for_any_batch_and_number(kind: Ki
         points, mask = clouds(rng, batch, number, on_grid=batch == 2)
         state = (rng.random((batch, 16)) < 0.3).astype(np.float32) if settings.with_view_state else None
         with torch.no_grad():
-            wanted = network(torch.from_numpy(points), torch.from_numpy(mask), None if state is None else torch.from_numpy(state))
+            output = network(torch.from_numpy(points), torch.from_numpy(mask), None if state is None else torch.from_numpy(state))
+        log_variance = log_variance_of(output)
+        wanted = output if log_variance is None else torch.stack((scores_of(output), log_variance), dim=-1)
         np.testing.assert_allclose(scorer.run(points, mask, state), wanted.numpy(), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("uncertainty", ["gaussian", "evidential"])
+def test_standard_deviations_are_those_of_torch_within_their_bounds_and_scaled(uncertainty: str, tmp_path: Path) -> None:
+    settings = small_settings("compact", uncertainty=uncertainty)
+    network = build(settings, generator=torch.Generator().manual_seed(2))
+    with torch.no_grad():  # a bias far out: variances of some views leave the bounds
+        list(network.head)[-1].bias[settings.views :: 2] = -40.0
+        list(network.head)[-1].bias[settings.views + 1 :: 4] = 40.0
+    for factor in (1.0, 1.7):
+        export_onnx(network, settings, card_of(settings), tmp_path / "n.onnx", sigma_scale=factor)
+        points, mask = clouds(np.random.default_rng(0), 1, 64)
+        with torch.no_grad():
+            output = half_rounded(network)(torch.from_numpy(points), torch.from_numpy(mask))
+        found = Scorer.load(tmp_path / "n.onnx").assessed(points[0][mask[0]])
+        np.testing.assert_allclose(found.sigma, factor * sigma_of(output)[0].numpy(), rtol=1e-4)
+        np.testing.assert_allclose(found.scores, scores_of(output)[0].numpy(), atol=1e-5)
+    assert found.sigma.max() == pytest.approx(1.7 * np.exp(2))  # the upper bound of the logarithm is 4
+    with pytest.raises(ConfigError, match="factor"):
+        export_onnx(network, settings, card_of(settings), tmp_path / "n.onnx", sigma_scale=0.0)
 
 
 @pytest.mark.parametrize("kind", ["pc_nbv", "compact"])

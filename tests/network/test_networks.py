@@ -162,11 +162,14 @@ def test_the_same_generator_builds_the_same_network_and_the_global_one_stays() -
     assert any(not torch.equal(a, b) for a, b in zip(first.parameters(), build(settings).parameters(), strict=True))
 
 
+@pytest.mark.parametrize(("uncertainty", "numbers"), [("gaussian", 2), ("evidential", 4)])
 @pytest.mark.parametrize("kind", KINDS)
-def test_uncertainty_gives_a_positive_number_per_view_and_leaves_the_shape_of_scores(kind: Kind) -> None:
-    network, points = small(kind, uncertainty="gaussian"), cloud(20, batch=3)
+def test_uncertainty_gives_a_positive_number_per_view_and_leaves_the_shape_of_scores(
+    kind: Kind, uncertainty: str, numbers: int
+) -> None:
+    network, points = small(kind, uncertainty=uncertainty), cloud(20, batch=3)
     output = network(points, None, state_for(network, 3))
-    assert output.shape == (3, 5, 2)
+    assert output.shape == (3, 5, numbers)
     assert scores_of(output).shape == (3, 5)
     assert sigma_of(output).min() > 0
     plain = small(kind)(points, None, state_for(network, 3))

@@ -216,3 +216,37 @@ def test_a_damaged_run_record_is_one_line(content: str, tmp_path: Path) -> None:
     (tmp_path / "run.json").write_text(content)
     with pytest.raises(TrainingError, match=r"run\.json"):
         RunFolder(tmp_path).read()
+
+
+@pytest.mark.parametrize("stopped", [5, 8])
+def test_in_half_precision_the_loss_falls_and_resume_is_exact_to_the_bit(stopped: int, data: Dataset, tmp_path: Path) -> None:
+    recipe = changed(training={"precision": "bfloat16", "iterations": 40}, network={"kind": "compact_view"})
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    start(recipe, whole, data=data.folder)
+    curve = [line["loss"] for line in RunFolder(whole).metrics() if "loss" in line]
+    assert curve[-1] < 0.5 * curve[0]
+    single = changed(training={"iterations": 40}, network={"kind": "compact_view"})
+    start(single, tmp_path / "single", data=data.folder)
+    assert losses(tmp_path / "single") != losses(whole)  # it does something
+    with pytest.raises(Stop):
+        start(recipe, killed, data=data.folder, watch=stop_after(stopped))
+    resume(killed)
+    assert losses(killed) == losses(whole)
+    found, wanted = (read_checkpoint(each / "checkpoints" / "step-000000040.safetensors").tensors for each in (killed, whole))
+    assert all(torch.equal(found[key], wanted[key]) for key in wanted)
+    assert all(wanted[key].dtype == torch.float32 for key in wanted if key.startswith("model."))
+
+
+@pytest.mark.parametrize("kind", ["pc_nbv", "compact"])
+@pytest.mark.parametrize("uncertainty", ["none", "evidential"])
+def test_the_loss_is_in_single_precision_whatever_the_network_computes_in(
+    kind: str, uncertainty: str, data: Dataset, tmp_path: Path
+) -> None:
+    loss = {"kind": "mean" if uncertainty == "none" else uncertainty, "ranking": "listwise"}
+    network = {"kind": kind, "shared": [16], "head": [8], "uncertainty": uncertainty}
+    recipe = changed(
+        network=network, loss=loss, training={"precision": "bfloat16", "iterations": 1, "log_every": 1, "validate_every": 1}
+    )
+    start(recipe, tmp_path / "run", data=data.folder)
+    (line,) = [line["loss"] for line in RunFolder(tmp_path / "run").metrics() if "loss" in line]
+    assert float(torch.tensor(line).bfloat16()) != line  # more digits than a half has

@@ -11,5 +11,8 @@ class Deciding:
 
     policy: Literal["model", "network"] = "model"
     """model: what each view would teach about the box; network: a trained network (objective coverage)."""
-    model: Path | None = None
-    """Network file made by viewgain export; default the shipped one for the rig and for whether the scan has a pose."""
+    model: tuple[Path, ...] = ()
+    """Network files made by viewgain export, several for their mean; default the shipped one for the rig and for whether the
+    scan has a pose."""
+    abstain: float = 0.0
+    """With --policy network: name no view where the probability that it is the best is under this; 0 for never."""

@@ -9,7 +9,7 @@ from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
 from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.errors import ConfigError
-from viewgain.inference import Scorer, find_model, model_name, shipped_models
+from viewgain.inference import Ensemble, find_model, model_name, shipped_models
 from viewgain.measure import REASONS, fuse, measure
 from viewgain.plan import NetworkPolicy, next_view
 from viewgain.rigs import rig
@@ -51,11 +51,14 @@ def _policy(command: Next, scan: Scan) -> NetworkPolicy | None:
     if deciding.policy == "model":
         if command.objective == "coverage":
             raise ConfigError("--objective coverage: got --policy model, which knows boxes only; add --policy network")
+        if deciding.abstain:
+            raise ConfigError("--abstain: got --policy model, which always chooses; add --policy network")
         return None
     if command.objective != "coverage":
         raise ConfigError(f"--policy network: got --objective {command.objective}, wanted --objective coverage")
     name = rig(command.rig).name
-    return NetworkPolicy(Scorer.load(deciding.model or _shipped(name, posed=scan.camera_to_world is not None)), scan, name)
+    models = deciding.model or (_shipped(name, posed=scan.camera_to_world is not None),)
+    return NetworkPolicy(Ensemble.load(models), scan, name, abstain_below=deciding.abstain)
 
 
 def _shipped(rig_name: str, *, posed: bool) -> Path:

@@ -90,6 +90,8 @@ def decision_in_words(plan: NextView) -> str:
     chance = f"P(volume error < {plan.tolerance:.0%}) is {plan.within_tolerance or 0:.3f}"
     if plan.stop:
         return f"Stop: {chance}, over the {plan.confidence:.2f} asked for."
+    if plan.abstention is not None:
+        return f"No view is named: {plan.abstention}."
     if plan.best is None:
         return f"{chance}; no candidate of the rig can be reached."
     after = plan.candidates[plan.best].assessment.outlook

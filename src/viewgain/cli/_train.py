@@ -13,7 +13,19 @@ from rich.progress import Progress as Bar
 from viewgain.cli._exit import DIVERGED, NOT_WRITTEN, print_error
 from viewgain.cli._training_commands import Train
 from viewgain.errors import ConfigError, MissingExtraError, StorageError
-from viewgain.training import REASONS, Means, Outcome, Progress, RunFolder, TrainingRecipe, leads, resume, start, training_recipe
+from viewgain.training import (
+    REASONS,
+    DistilSettings,
+    Means,
+    Outcome,
+    Progress,
+    RunFolder,
+    TrainingRecipe,
+    leads,
+    resume,
+    start,
+    training_recipe,
+)
 
 PICTURE = "curves.png"
 """File of the loss curves in the run's folder."""
@@ -46,14 +58,18 @@ def _go_on(command: Train, folder: Path, means: Means) -> int:
     if command.out is not None or command.iterations is not None or command.seed is not None:
         raise ConfigError("train: got --resume with --out, --iterations or --seed, which are the run's own; leave them out")
     with _bar(RunFolder(folder).read().recipe.training.iterations) as watch:
-        outcome = resume(folder, data=command.data, means=means, watch=watch)
+        outcome = resume(folder, data=command.data, teacher=command.teacher, means=means, watch=watch)
     return _say(outcome, folder)
 
 
 def _changed(recipe: TrainingRecipe, command: Train) -> TrainingRecipe:
     """Return the recipe with what the command line says differently."""
     given = {name: value for name in ("iterations", "seed") if (value := getattr(command, name)) is not None}
-    return replace(recipe, training=replace(recipe.training, **given))
+    distil = recipe.distil
+    if command.teacher is not None:
+        named = str(command.teacher)
+        distil = DistilSettings(teacher=named) if distil is None else replace(distil, teacher=named)
+    return replace(recipe, training=replace(recipe.training, **given), distil=distil)
 
 
 def _device(name: str) -> str:

@@ -21,6 +21,8 @@ class Train:
     """Folder of the run; default runs/RECIPE."""
     resume: Annotated[Path | None, tyro.conf.arg(metavar="RUN")] = None
     """Go on with this run, from its newest whole checkpoint; the recipe is the run's own."""
+    teacher: Path | None = None
+    """Learn from this network too: an .onnx file or the folder of a run (docs/training.md). With --resume: where it is now."""
     device: Literal["auto", "cpu", "cuda"] = "auto"
     """Where to compute; auto takes a GPU if there is one."""
     threads: int = 1

@@ -4,6 +4,7 @@ from viewgain.inference._card import FrameName as FrameName
 from viewgain.inference._card import Metric as Metric
 from viewgain.inference._card import ModelCard as ModelCard
 from viewgain.inference._card import Source as Source
+from viewgain.inference._ensemble import Ensemble as Ensemble
 from viewgain.inference._markdown import to_markdown as to_markdown
 from viewgain.inference._normalise import Bounds as Bounds
 from viewgain.inference._normalise import bounds_of as bounds_of

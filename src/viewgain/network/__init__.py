@@ -19,6 +19,8 @@ from viewgain.network._losses import RankingKind as RankingKind
 from viewgain.network._losses import score_loss as score_loss
 from viewgain.network._losses import weight_penalty as weight_penalty
 from viewgain.network._neighbours import unrepeated as unrepeated
+from viewgain.network._output import Evidence as Evidence
+from viewgain.network._output import evidence_of as evidence_of
 from viewgain.network._output import log_variance_of as log_variance_of
 from viewgain.network._output import scores_of as scores_of
 from viewgain.network._output import sigma_of as sigma_of

@@ -2,6 +2,7 @@
 
 import contextlib
 import copy
+import math
 import tempfile
 import warnings
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from viewgain.errors import ConfigError, MissingExtraError
 from viewgain.inference import CARD_KEY, INPUTS, ModelCard, to_markdown
 from viewgain.network._build import parameters_of
 from viewgain.network._inputs import ScoreNetwork
+from viewgain.network._output import log_variance_of, scores_of
 from viewgain.network._settings import NetworkSettings
 
 OPSET = 18
@@ -26,14 +28,16 @@ EXAMPLE = 40
 
 
 class _Scored(nn.Module):
-    """What is exported: the network behind its checks."""
+    """What is exported: the network behind its checks; with uncertainty (B, V, 2), scores and logarithms of variances."""
 
-    def __init__(self, network: ScoreNetwork) -> None:
+    def __init__(self, network: ScoreNetwork, sigma_scale: float) -> None:
         super().__init__()
-        self.network = network
+        self.network, self.added = network, 2 * math.log(sigma_scale)
 
     def forward(self, points: Tensor, mask: Tensor, view_state: Tensor | None = None) -> Tensor:
-        return self.network.scored(points, mask, view_state)
+        output = self.network.scored(points, mask, view_state)
+        log_variance = log_variance_of(output)
+        return output if log_variance is None else torch.stack((scores_of(output), log_variance + self.added), dim=-1)
 
 
 def half_rounded(network: ScoreNetwork) -> ScoreNetwork:
@@ -51,7 +55,9 @@ def half_rounded(network: ScoreNetwork) -> ScoreNetwork:
     return rounded.requires_grad_(False)
 
 
-def export_onnx(module: ScoreNetwork, settings: NetworkSettings, card: ModelCard, path: Path) -> None:
+def export_onnx(
+    module: ScoreNetwork, settings: NetworkSettings, card: ModelCard, path: Path, *, sigma_scale: float = 1.0
+) -> None:
     """Write a network as ONNX with its card inside, and the card as Markdown beside it (``.md``).
 
     Batch and number of points stay open; the latter must exceed the neighbours that the network looks at. The file holds exactly
@@ -62,6 +68,7 @@ def export_onnx(module: ScoreNetwork, settings: NetworkSettings, card: ModelCard
         settings: What it was built from.
         card: Its card; ``parameters`` is filled in.
         path: File to write, ``.onnx``.
+        sigma_scale: Factor on all standard deviations, over 0: how much larger errors on objects aside are than the network says.
 
     Raises:
         ConfigError: If card and network contradict each other, or weights do not fit half floats.
@@ -72,8 +79,8 @@ def export_onnx(module: ScoreNetwork, settings: NetworkSettings, card: ModelCard
     except ImportError as error:
         raise MissingExtraError("export wants onnx; pip install 'viewgain[train]'") from error
     card = replace(card, parameters=parameters_of(module))
-    _check(settings, card, path)
-    model = onnx.load_model_from_string(_traced(half_rounded(module), settings))
+    _check(settings, card, path, sigma_scale)
+    model = onnx.load_model_from_string(_traced(half_rounded(module), settings, sigma_scale))
     _store_halves(model)
     onnx.helper.set_model_props(model, {CARD_KEY: card.to_json()})
     model.producer_name, model.doc_string = "viewgain", card.task
@@ -82,7 +89,7 @@ def export_onnx(module: ScoreNetwork, settings: NetworkSettings, card: ModelCard
     _written(path.with_suffix(".md"), to_markdown(card).encode())
 
 
-def _check(settings: NetworkSettings, card: ModelCard, path: Path) -> None:
+def _check(settings: NetworkSettings, card: ModelCard, path: Path, sigma_scale: float) -> None:
     told = (settings.kind, settings.views, settings.points, settings.with_view_state, settings.uncertainty != "none")
     said = (card.kind, card.views, card.points, card.with_view_state, card.uncertainty)
     if told != said:
@@ -91,11 +98,13 @@ def _check(settings: NetworkSettings, card: ModelCard, path: Path) -> None:
         )
     if settings.points <= settings.neighbours:
         raise ConfigError(f"export: got {settings.points} points and {settings.neighbours} neighbours, wanted more points")
+    if not 0 < sigma_scale < math.inf:
+        raise ConfigError(f"export: got a factor of {sigma_scale} on the standard deviations, wanted a positive one")
     if path.suffix != ".onnx":
         raise ConfigError(f"export: got {path.name}, wanted a file name ending in .onnx")
 
 
-def _traced(network: ScoreNetwork, settings: NetworkSettings) -> bytes:
+def _traced(network: ScoreNetwork, settings: NetworkSettings, sigma_scale: float) -> bytes:
     """Return the network as ONNX in single precision, every parameter as it is."""
     number = max(EXAMPLE, 2 * settings.neighbours)
     inputs = [torch.linspace(-0.5, 0.5, 6 * number).sin().reshape(2, number, 3), torch.ones(2, number, dtype=torch.bool)]
@@ -109,7 +118,7 @@ def _traced(network: ScoreNetwork, settings: NetworkSettings) -> bytes:
         # The tracing exporter: that by torch.export takes ten times as long and wants onnxscript. Nothing is folded, or a
         # difference of two parameters would be stored, which is no half float.
         torch.onnx.export(
-            _Scored(network).eval(),
+            _Scored(network, sigma_scale).eval(),
             tuple(inputs),
             file,
             dynamo=False,

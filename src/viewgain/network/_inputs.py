@@ -13,7 +13,8 @@ from viewgain.network._settings import NetworkSettings
 class ScoreNetwork(nn.Module, ABC):
     """A partial cloud, and with the view state where the camera has been, to a score for every candidate view.
 
-    Shapes: points (B, N, 3), mask (B, N), view state (B, V) to (B, V), or (B, V, 2) with uncertainty.
+    Shapes: points (B, N, 3), mask (B, N), view state (B, V) to (B, V); with uncertainty (B, V, 2) or (B, V, 4), see
+    :func:`viewgain.network.sigma_of`.
     """
 
     def __init__(self, settings: NetworkSettings) -> None:

@@ -42,8 +42,8 @@ class DenseEdgeConv(nn.Module):
         first = torch.relu(here[:, :, None] + gathered(linear(features, offset), rows))  # (B, N, k, growth)
         here = linear(features, of_point, self.middle.bias)
         middle = torch.relu(here[:, :, None] + linear(first, to_edges))
-        last = (linear(middle, of_middle) + linear(first, of_first)).amax(2) + linear(features, of_own, self.last.bias)
-        return torch.cat((last, middle.amax(2), first.amax(2), features), dim=-1)
+        last = highest_of(linear(middle, of_middle) + linear(first, of_first), 2) + linear(features, of_own, self.last.bias)
+        return torch.cat((last, highest_of(middle, 2), highest_of(first, 2), features), dim=-1)
 
 
 def columns(weight: Tensor, *widths: int) -> tuple[Tensor, ...]:
@@ -103,4 +103,14 @@ class Perceptron(nn.Sequential):
 
 def pooled(features: Tensor, mask: Tensor) -> Tensor:
     """Return (B, C) the maximum of (B, N, C) over the real points of each cloud."""
-    return features.masked_fill(~mask[..., None], -torch.inf).amax(1)
+    return highest_of(features.masked_fill(~mask[..., None], -torch.inf), 1)
+
+
+def highest_of(values: Tensor, dim: int) -> Tensor:
+    """Return the maximum along a dimension.
+
+    Where a gradient is wanted, it flows to one of equal values: to share it, as ``amax`` does, all values are compared once more.
+    """
+    if torch.is_grad_enabled() and values.requires_grad:
+        return values.max(dim).values
+    return values.amax(dim)

@@ -1,5 +1,6 @@
 """What a network is trained to make small. The paper's is the mean squared error (section 3.2); the others are ours."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
@@ -8,11 +9,12 @@ from torch import Tensor, nn
 from torch.nn.functional import log_softmax, softplus
 
 from viewgain.errors import ConfigError
-from viewgain.network._output import log_variance_of, scores_of
+from viewgain.network._output import NUMBERS, evidence_of, log_variance_of, scores_of
 
-LossKind: TypeAlias = Literal["mean", "half_sum", "gaussian"]
+LossKind: TypeAlias = Literal["mean", "half_sum", "gaussian", "evidential"]
 """``mean``: squared error over all views of a batch; ``half_sum``: half their sum, as the public code has it; ``gaussian``: the
-negative logarithm of the likelihood under the network's own variances."""
+negative logarithm of the likelihood under the network's own variances; ``evidential``: the same under its own distribution over
+mean and variance, plus what keeps it from claiming evidence where it errs (Amini et al. 2020, equations 8 to 10)."""
 RankingKind: TypeAlias = Literal["none", "listwise", "pairwise"]
 """``listwise``: cross entropy between the softmax of true scores and of those given; ``pairwise``: logistic loss of every pair
 of views, weighted by how much their true scores differ."""
@@ -30,6 +32,8 @@ class LossSettings:
     """Factor on the loss of the order."""
     temperature: float = 0.02
     """Difference of scores that counts as clear, in units of the scores; smaller looks more at the best view alone."""
+    evidence_weight: float = 0.01
+    """Factor on error times evidence in the evidential loss (Amini et al. 2020: lambda; 0.01 in their example)."""
     weight_decay: float = 1e-4
     """L2 weight on weights, not on biases (section 3.2: lambda)."""
 
@@ -39,15 +43,15 @@ class LossSettings:
             raise ConfigError(
                 f"loss: got kind {self.kind!r} and ranking {self.ranking!r}, wanted one of {kinds} and one of {rankings}"
             )
-        if self.temperature <= 0 or self.weight_decay < 0 or self.ranking_weight < 0:
-            raise ConfigError("loss: wanted a temperature over 0, and weight_decay and ranking_weight of 0 or more")
+        if self.temperature <= 0 or min(self.weight_decay, self.ranking_weight, self.evidence_weight) < 0:
+            raise ConfigError("loss: wanted a temperature over 0; weight_decay, ranking_weight and evidence_weight of 0 or more")
 
 
 def score_loss(output: Tensor, target: Tensor, settings: LossSettings, *, valid: Tensor | None = None) -> Tensor:
     """Return the loss of a batch, a scalar; add :func:`weight_penalty` for the whole of it.
 
     Args:
-        output: (B, V) or (B, V, 2) what the network gave.
+        output: (B, V), (B, V, 2) or (B, V, 4) what the network gave.
         target: (B, V) true scores in the same order.
         settings: What is summed.
         valid: (B, V) which views count, at least one of the batch; None for all.
@@ -80,10 +84,27 @@ def _error(output: Tensor, target: Tensor, valid: Tensor, settings: LossSettings
     if settings.kind == "mean":
         return squares.mean()
     log_variance = log_variance_of(output)
-    if log_variance is None:
-        raise ConfigError("loss: gaussian wants a network of uncertainty 'gaussian', got one of 'none'; change either")
+    if log_variance is None or output.shape[-1] != NUMBERS[settings.kind]:
+        raise ConfigError(f"loss: {settings.kind} wants a network of uncertainty {settings.kind!r}, got another; change either")
+    if settings.kind == "evidential":
+        return _evidential(output[valid], target[valid], settings.evidence_weight)
     spread = log_variance[valid]
     return 0.5 * (squares * torch.exp(-spread) + spread).mean()
+
+
+def _evidential(output: Tensor, target: Tensor, factor: float) -> Tensor:
+    """Return the mean over (n, 4) outputs and (n,) targets of -log(Student t density) + ``factor`` |error| (2 nu + alpha)."""
+    evidence = evidence_of(output)
+    nu, alpha, beta = evidence.weight, evidence.excess + 1, evidence.scale
+    error, omega = target - evidence.score, 2 * beta * (1 + nu)
+    surprise = (
+        0.5 * torch.log(math.pi / nu)
+        - alpha * torch.log(omega)
+        + (alpha + 0.5) * torch.log(error.square() * nu + omega)
+        + torch.lgamma(alpha)
+        - torch.lgamma(alpha + 0.5)
+    )
+    return (surprise + factor * error.abs() * (2 * nu + alpha)).mean()
 
 
 def _listwise(scores: Tensor, target: Tensor, valid: Tensor, temperature: float) -> Tensor:

@@ -7,7 +7,7 @@ from viewgain.errors import ConfigError
 
 Kind: TypeAlias = Literal["pc_nbv", "pc_nbv_noview", "compact", "compact_view"]
 """``pc_nbv`` and ``compact_view`` are told which views were visited, ``pc_nbv_noview`` and ``compact`` are not."""
-Uncertainty: TypeAlias = Literal["none", "gaussian"]
+Uncertainty: TypeAlias = Literal["none", "gaussian", "evidential"]
 """Whether a network says how sure it is of each score."""
 
 
@@ -36,7 +36,8 @@ class NetworkSettings:
     centres: tuple[int, int] = (128, 32)
     """Points that a cloud is taken together to, first and then (the compact networks)."""
     uncertainty: Uncertainty = "none"
-    """``gaussian``: a second number per view, the logarithm of the score's variance."""
+    """``gaussian``: a second number per view, the logarithm of the score's variance. ``evidential``: three more, a distribution
+    over the score's mean and variance (Amini et al. 2020)."""
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind) or self.uncertainty not in get_args(Uncertainty):

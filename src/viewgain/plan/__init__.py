@@ -7,6 +7,8 @@ from viewgain.plan._belief import Outlook as Outlook
 from viewgain.plan._expected import ExpectedErrorPolicy as ExpectedErrorPolicy
 from viewgain.plan._expected import expected_error as expected_error
 from viewgain.plan._expected import fused_expected_error as fused_expected_error
+from viewgain.plan._doubt import Hesitant as Hesitant
+from viewgain.plan._doubt import chances_of_best as chances_of_best
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order

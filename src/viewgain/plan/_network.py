@@ -3,13 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from viewgain.arrays import Points, Pose, Poses, Vector3
 from viewgain.errors import ConfigError, ScanError
 from viewgain.geometry import inverse, pose, rotation_from_rotvec, transform
-from viewgain.inference import Bounds, FrameName, Scorer
+from viewgain.inference import Bounds, Ensemble, FrameName, Scorer
 from viewgain.measure import find_floors, range_image, sensor_of
 from viewgain.plan._belief import Belief, floor_pose
+from viewgain.plan._doubt import chances_of_best
 from viewgain.plan._policy import Assessment
 from viewgain.rigs import Rig, rig
 from viewgain.scans import Scan
@@ -30,13 +32,24 @@ class NetworkPolicy:
     the station nearest to the camera's direction.
     """
 
-    scorer: Scorer
-    """The network."""
+    scorer: Scorer | Ensemble
+    """The network, or several."""
     scan: Scan
     """The camera as it stands."""
     rig: str
     """Name of the rig that the candidates are of."""
     name: str = "network"
+    abstain_below: float = 0.0
+    """Abstain where the probability that the chosen view is the best of those in reach is under this (:meth:`abstention`)."""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.abstain_below <= 1:
+            raise ConfigError(f"network: got {self.abstain_below} to abstain below, wanted a probability")
+        if self.abstain_below and not self.scorer.card.uncertainty:
+            raise ConfigError(
+                f"network {self.scorer.card.name}: gives no standard deviations, so nobody knows when to abstain; wanted one"
+                " with uncertainty, or several networks"
+            )
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return one assessment per candidate; the score is the predicted gain of coverage.
@@ -57,9 +70,35 @@ class NetworkPolicy:
         present = standing_at(candidates, belief.mean.centre)
         told = self.scorer.card.with_view_state
         state = np.arange(len(candidates)) == present if told else None
-        scores = self.scorer.scores(transform(to_frame, points), state, bounds=bounds, frame=frame)
-        in_rig_order = scores if told else np.roll(scores, present)
-        return tuple(Assessment(float(score), None, None) for score in in_rig_order)
+        said = self.scorer.assessed(transform(to_frame, points), state, bounds=bounds, frame=frame)
+        shift = 0 if told else present
+        scores = np.roll(said.scores, shift).tolist()
+        sigmas = [None] * len(scores) if said.sigma is None else np.roll(said.sigma, shift).tolist()
+        return tuple(Assessment(score, None, None, sigma) for score, sigma in zip(scores, sigmas, strict=True))
+
+    def abstention(self, assessments: tuple[Assessment, ...], reachable: NDArray[np.bool_], best: int) -> str | None:
+        """Return why the network stands by no choice, or None: the probability that the view is the best is too low.
+
+        Scores count as independent and normal (:func:`viewgain.plan.chances_of_best`). A network without standard deviations
+        never abstains.
+
+        Args:
+            assessments: (V,) its own, of all candidates.
+            reachable: (V,) which of them can be reached.
+            best: The one with the highest score of those.
+        """
+        scores = np.array([each.score for each in assessments])
+        sigmas = np.array([np.nan if each.sigma is None else each.sigma for each in assessments])
+        if not self.abstain_below or np.any(np.isnan(sigmas)):
+            return None
+        places = np.flatnonzero(reachable)
+        chances = dict(zip(places.tolist(), chances_of_best(scores[places], sigmas[places]).tolist(), strict=True))
+        if chances[best] >= self.abstain_below:
+            return None
+        return (
+            f"the network prefers view {best}, and the probability that it is the best of {len(places)} in reach is"
+            f" {chances[best]:.2f}, under the {self.abstain_below:.2f} asked for"
+        )
 
 
 def object_points(scan: Scan, near: Vector3) -> Points:

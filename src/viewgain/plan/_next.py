@@ -10,6 +10,7 @@ from viewgain.errors import ConfigError
 from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
 from viewgain.plan._belief import Belief, belief_from, belief_from_blob, floor_pose, outlook
+from viewgain.plan._doubt import Hesitant
 from viewgain.plan._policy import Assessment, CovariancePolicy, Policy
 from viewgain.plan._predict import MIN_FACE_PIXELS, predict
 from viewgain.rigs import Rig, Station, Target, place, refusals
@@ -53,6 +54,7 @@ class Candidate:
             "index": self.index,
             "camera_to_current": np.round(self.camera_to_current, 6).tolist(),
             "score": round(self.assessment.score, 5),
+            "score_sigma": None if self.assessment.sigma is None else float(f"{self.assessment.sigma:.4g}"),
             "volume_sigma_m3": None if after is None else float(f"{after.volume_sigma:.4g}"),
             "p_within_tolerance": None if after is None else round(after.within_tolerance, 4),
             "faces": [] if prediction is None else [
@@ -92,8 +94,10 @@ class NextView:
     up: Vector3
     """(3,) the floor's normal, present camera's frame; zeros if there is no floor."""
     reason: str | None
-    """Why nothing can be planned: ``no_floor``, ``nothing_on_floor``, ``no_reachable_view``, or None."""
+    """Why nothing can be planned: ``no_floor``, ``nothing_on_floor``, ``no_reachable_view``, ``abstains``, or None."""
     objective: str = "volume"
+    abstention: str | None = None
+    """In words why the policy stands by no choice; None where it does, or is not asked."""
 
     def to_dict(self) -> dict[str, object]:
         """Return the versioned JSON form (docs/json.md)."""
@@ -110,6 +114,7 @@ class NextView:
             "tolerance": self.tolerance,
             "confidence": self.confidence,
             "reason": self.reason,
+            "abstention": self.abstention,
         }
 
 
@@ -187,7 +192,10 @@ def next_view(
     best = _best(candidates, settle=believed.bounded and for_volume, indifferent=INDIFFERENT if for_volume else 0.0)
     chance = outlook(believed, tolerance).within_tolerance
     stop = for_volume and believed.bounded and chance > confidence
-    reason = "no_reachable_view" if best is None else None
+    reason, abstention = "no_reachable_view" if best is None else None, None
+    if best is not None and isinstance(decider, Hesitant):
+        abstention = decider.abstention(assessments, np.array([candidate.reachable for candidate in candidates]), best)
+        best, reason = (best, None) if abstention is None else (None, "abstains")
     target, up = believed.mean.centre, believed.mean.floor.normal
     return NextView(
         stations.name,
@@ -203,6 +211,7 @@ def next_view(
         up,
         reason,
         objective,
+        abstention,
     )
 
 

@@ -23,6 +23,8 @@ class Assessment:
     """Expected knowledge of the volume after fusing the candidate, where the policy predicts it."""
     prediction: Prediction | None
     """What the candidate would show, where the policy predicts it."""
+    sigma: float | None = None
+    """Standard deviation of the score, where the policy gives one."""
 
 
 @runtime_checkable

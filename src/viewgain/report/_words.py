@@ -86,7 +86,7 @@ def decision_sentence(plan: NextView, volume: Unit, *, moved: bool) -> str:
         moved: Whether the camera went there.
     """
     if plan.best is None:
-        return f"There is no next view: {reason_in_words(plan.reason)}."
+        return f"There is no next view: {plan.abstention or reason_in_words(plan.reason)}."
     best = plan.candidates[plan.best]
     verb = "wins" if moved else "would be next"
     way = f"Candidate {best.index} {verb} ({move_in_words(plan, best)})"

@@ -31,10 +31,13 @@ from viewgain.training._run import start as start
 from viewgain.training._schedule import learning_rate as learning_rate
 from viewgain.training._session import Session as Session
 from viewgain.training._settings import DataSettings as DataSettings
+from viewgain.training._settings import DistilSettings as DistilSettings
 from viewgain.training._settings import TrainingRecipe as TrainingRecipe
 from viewgain.training._settings import TrainingSettings as TrainingSettings
 from viewgain.training._symmetry import Symmetries as Symmetries
 from viewgain.training._symmetry import symmetries as symmetries
+from viewgain.training._teacher import Teacher as Teacher
+from viewgain.training._teacher import open_teacher as open_teacher
 from viewgain.training._train import REASONS as REASONS
 from viewgain.training._train import Outcome as Outcome
 from viewgain.training._train import Progress as Progress

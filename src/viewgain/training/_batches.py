@@ -6,6 +6,7 @@ So how many steps were made is the whole state of the data, and every process of
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -33,6 +34,19 @@ class Batch:
     """(B, V) float32, 1 for visited views, in rig order; None for networks that are not told."""
     targets: Tensor
     """(B, V) float32: in rig order with states, else with the present view first."""
+    taught: Tensor | None = None
+    """(B, V) float32: a teacher's scores in the same order; None without a teacher."""
+
+
+class Labels(Protocol):
+    """Who gives scores beside those of the data set: :class:`viewgain.training.Teacher`."""
+
+    @property
+    def points(self) -> int:
+        """Points of a cloud that are looked at."""
+
+    def scores(self, points: Tensor, mask: Tensor, states: Tensor, views: Tensor) -> Tensor:
+        """Return (B, V) scores in the order of the targets; arguments as :meth:`viewgain.training.Teacher.scores`."""
 
 
 class Batches:
@@ -49,6 +63,7 @@ class Batches:
         uses_state: bool,
         seed: int,
         symmetries: Symmetries | None = None,
+        teacher: Labels | None = None,
     ) -> None:
         """Take some samples; ``symmetries`` are drawn from where they are given.
 
@@ -61,9 +76,11 @@ class Batches:
             uses_state: Whether the network is told which views were visited.
             seed: Source of order and draws.
             symmetries: Motions to show the samples under.
+            teacher: Labels every batch once more.
         """
         self._examples, self._settings, self._rows = examples, settings, torch.from_numpy(rows)
         self._batch, self._points, self._uses_state, self._seed = batch, points, uses_state, seed
+        self._teacher = teacher
         self._order = ShuffledOrder(len(rows), seed=seed)
         self._epoch = lru_cache(maxsize=2)(self._order.epoch)
         self._device = examples.points.device
@@ -78,15 +95,22 @@ class Batches:
         epochs, positions = np.divmod(places, len(self._rows))
         inside = np.array([self._epoch(int(epoch))[position] for epoch, position in zip(epochs, positions, strict=True)])
         rows = self._rows[torch.from_numpy(inside)].to(self._device)
-        generator = torch.Generator(self._device).manual_seed((self._seed * 1_000_003 + step) % _LARGE)
+        generator = self._generator(step)
         clouds, mask = drawn_points(self._examples, rows, self._points, generator)
+        # By the same draw, so that of student and teacher the one with fewer points has the first ones of the other.
+        shown = None if self._teacher is None else drawn_points(self._examples, rows, self._teacher.points, self._generator(step))
         views, states, targets = (each[rows] for each in (self._examples.views, self._examples.states, self._examples.targets))
         if self._maps is not None and self._carried is not None:
             which = torch.randint(len(self._carried), (len(rows),), generator=generator, device=self._device)
-            clouds = clouds @ self._maps[which, views].transpose(1, 2)
+            turns = self._maps[which, views].transpose(1, 2)
+            clouds = clouds @ turns
+            shown = None if shown is None else (shown[0] @ turns, shown[1])
             carried = self._carried[which]
             views = carried.gather(1, views[:, None])[:, 0]
             states, targets = (torch.zeros_like(each).scatter(1, carried, each) for each in (states, targets))
+        taught = None
+        if self._teacher is not None and shown is not None:
+            taught = self._teacher.scores(shown[0][part], shown[1][part], states[part], views[part])
         clouds, mask = self._disturbed(clouds, mask, generator)
         whole = _batch(clouds, mask, views, states, targets, uses_state=self._uses_state)
         return Batch(
@@ -94,7 +118,11 @@ class Batches:
             mask=whole.mask[part],
             states=None if whole.states is None else whole.states[part],
             targets=whole.targets[part],
+            taught=taught,
         )
+
+    def _generator(self, step: int) -> torch.Generator:
+        return torch.Generator(self._device).manual_seed((self._seed * 1_000_003 + step) % _LARGE)
 
     def _disturbed(self, clouds: Tensor, mask: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor]:
         """Return clouds with noise and with hidden points; of each at least its first point stays."""

@@ -26,6 +26,8 @@ def export_run(
 ) -> ModelCard:
     """Write the best weights of a run as ONNX, with a card, and return the card.
 
+    Standard deviations are multiplied by the ``sigma_ratio`` of the run's validation objects.
+
     Args:
         run: Folder of the run.
         out: File to write, .onnx.
@@ -39,8 +41,9 @@ def export_run(
         MissingExtraError: If onnx is not installed.
     """
     trained = load_trained(run)
-    card = _card(trained, tuple(sources), tuple(metrics), tuple(limits))
-    export_onnx(trained.module, trained.record.recipe.network, card, out)
+    card = card_of(trained, sources, metrics, limits)
+    ratio = trained.figures.get("sigma_ratio", 1.0)
+    export_onnx(trained.module, trained.record.recipe.network, card, out, sigma_scale=ratio)
     return card
 
 
@@ -57,7 +60,10 @@ def read_metrics(path: Path) -> tuple[Metric, ...]:
         raise TrainingError(f"{path}: cannot be read as a list of figures ({error})") from error
 
 
-def _card(trained: Trained, sources: tuple[Source, ...], metrics: tuple[Metric, ...], limits: tuple[str, ...]) -> ModelCard:
+def card_of(
+    trained: Trained, sources: Sequence[Source] = (), metrics: Sequence[Metric] = (), limits: Sequence[str] = LIMITS
+) -> ModelCard:
+    """Return the card of a trained network; arguments as :func:`export_run`."""
     recipe, facts = trained.record.recipe, trained.record.facts
     network = recipe.network
     return ModelCard(
@@ -72,10 +78,10 @@ def _card(trained: Trained, sources: tuple[Source, ...], metrics: tuple[Metric, 
         order="rig" if network.with_view_state else "present_first",
         with_view_state=network.with_view_state,
         uncertainty=network.uncertainty != "none",
-        trained_on=sources or (_source(facts),),
+        trained_on=tuple(sources) or (_source(facts),),
         training=_training(trained),
         metrics=(*_validation(trained), *metrics),
-        limits=limits,
+        limits=tuple(limits),
     )
 
 
@@ -90,8 +96,13 @@ def _source(facts: Any) -> Source:
 
 def _training(trained: Trained) -> dict[str, str]:
     recipe, facts = trained.record.recipe, trained.record.facts
+    taught = {} if recipe.distil is None else {"teacher": f"{facts['teacher']['name']}, weight {recipe.distil.weight:g}"}
+    ratio = trained.figures.get("sigma_ratio")
+    scaled = f"{recipe.network.uncertainty}, standard deviations times {ratio or 1:.3g}, as the validation objects showed"
     return {
         "recipe": recipe.name,
+        **taught,
+        **({} if ratio is None else {"uncertainty": scaled}),
         "target": recipe.data.target,
         "steps": f"{trained.figures['step']} of {recipe.training.iterations}, batch {recipe.training.batch}",
         "seed": str(recipe.training.seed),

@@ -7,7 +7,7 @@ from typing import Any
 from viewgain.datasets import recipe_table, record
 from viewgain.errors import ConfigError
 from viewgain.network import LossSettings, NetworkSettings
-from viewgain.training._settings import DataSettings, TrainingRecipe, TrainingSettings
+from viewgain.training._settings import DataSettings, DistilSettings, TrainingRecipe, TrainingSettings
 
 TRAINING_RECIPES = (
     "tiny",
@@ -22,7 +22,7 @@ TRAINING_RECIPES = (
     "compact_fast_view",
 )
 """Names of the recipes that come with the package."""
-_KEYS = ("makes", "network", "data", "training", "loss")
+_KEYS = ("makes", "network", "data", "training", "loss", "distil")
 
 
 def training_recipe(name: str | Path) -> TrainingRecipe:
@@ -44,7 +44,7 @@ def training_recipe_from_table(table: Mapping[str, Any], name: str) -> TrainingR
     unknown = sorted(set(table) - set(_KEYS))
     if unknown or "network" not in table or not isinstance(table.get("makes"), str):
         raise ConfigError(
-            f"{where}: got the keys {sorted(table)}, wanted makes (a sentence), network, and any of data, training, loss"
+            f"{where}: got the keys {sorted(table)}, wanted makes (a sentence), network, and any of data, training, loss, distil"
         )
     return TrainingRecipe(
         name=name,
@@ -53,4 +53,5 @@ def training_recipe_from_table(table: Mapping[str, Any], name: str) -> TrainingR
         data=record(DataSettings, table.get("data", {}), f"{where}, data"),
         training=record(TrainingSettings, table.get("training", {}), f"{where}, training"),
         loss=record(LossSettings, table.get("loss", {}), f"{where}, loss"),
+        distil=None if table.get("distil") is None else record(DistilSettings, table["distil"], f"{where}, distil"),
     )

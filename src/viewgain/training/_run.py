@@ -24,6 +24,7 @@ from viewgain.training._ranks import Ranks, ranks
 from viewgain.training._session import Session
 from viewgain.training._settings import TrainingRecipe
 from viewgain.training._symmetry import symmetries
+from viewgain.training._teacher import Teacher, check_same, open_teacher, placed
 from viewgain.training._train import Outcome, Progress, Watcher, train
 
 
@@ -67,22 +68,31 @@ def start(
         if group.rank == 0:
             folder.claim()
         opened = open_data(recipe, folder, data, group)
-        return _run(recipe, folder, opened, means, group, watch)
+        return _run(placed(recipe), folder, opened, means, group, watch)
     finally:
         group.close()
 
 
-def resume(path: Path, *, data: Path | None = None, means: Means | None = None, watch: Watcher | None = None) -> Outcome:
+def resume(
+    path: Path,
+    *,
+    data: Path | None = None,
+    teacher: Path | None = None,
+    means: Means | None = None,
+    watch: Watcher | None = None,
+) -> Outcome:
     """Go on with a run from its newest checkpoint that is whole; from its start if there is none yet.
 
     Args:
         path: Folder of the run.
         data: Where its data set is now; None for where it was.
+        teacher: Where its teacher is now, likewise.
         means: Device and time limit.
         watch: Is told how far it is, in process 0.
 
     Raises:
-        TrainingError: If there is no run, or every checkpoint is damaged.
+        TrainingError: If there is no run, every checkpoint is damaged, or the teacher is another one.
+        ConfigError: If a teacher is named and the run has none.
         DataError: If the data is missing, or not the data that the run was started on.
         StorageError: If something cannot be written.
     """
@@ -98,7 +108,8 @@ def resume(path: Path, *, data: Path | None = None, means: Means | None = None, 
         opened = Dataset(data or Path(record.data))
         if opened.manifest.plan != record.plan:
             raise DataError(f"{opened.folder}: got other data than the run was started on; name the same with --data")
-        return _run(record.recipe, folder, opened, means, group, watch, checkpoint=checkpoint, is_fresh=False)
+        recipe = placed(record.recipe, teacher)
+        return _run(recipe, folder, opened, means, group, watch, checkpoint=checkpoint, before=record)
     finally:
         group.close()
 
@@ -112,23 +123,26 @@ def _run(
     watch: Watcher | None,
     *,
     checkpoint: Checkpoint | None = None,
-    is_fresh: bool = True,
+    before: RunRecord | None = None,
 ) -> Outcome:
     """Load, build, take up, train. torch's own random state is put back afterwards."""
     seed = recipe.training.seed
+    teacher = open_teacher(recipe, rig_of(data.manifest), means.device)
+    check_same(teacher, before)
     examples = load_examples(data, recipe.data, views=recipe.network.views, seed=seed)
     aside = held_out(examples.objects, recipe.data.validation_share, seed=seed)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        session = Session(recipe, _batches(recipe, examples, aside, means.device), device=means.device, ranks=group)
+        session = Session(recipe, _batches(recipe, examples, aside, means.device, teacher), device=means.device, ranks=group)
         progress = Progress()
         if checkpoint is not None:
             session.restore(checkpoint)
             progress = Progress(**{name: checkpoint.state[name] for name in ("best", "stale", "seconds")})
         if group.rank == 0:
-            _open_folder(
-                folder, recipe, data, _facts(session, data, examples, aside, means, group), session.step, is_fresh=is_fresh
-            )
+            facts = _facts(session, data, examples, aside, means, group) | {
+                "teacher": None if teacher is None else teacher.facts()
+            }
+            _open_folder(folder, recipe, data, facts, session.step, is_fresh=before is None)
         watching = watch if watch is not None and group.rank == 0 else lambda step, progress: None
         return train(
             session,
@@ -151,7 +165,9 @@ def _open_folder(
         folder.cut_metrics(step)
 
 
-def _batches(recipe: TrainingRecipe, examples: Examples, aside: NDArray[np.bool_], device: str) -> Batches:
+def _batches(
+    recipe: TrainingRecipe, examples: Examples, aside: NDArray[np.bool_], device: str, teacher: Teacher | None
+) -> Batches:
     settings = recipe.data
     return Batches(
         examples.to(device),
@@ -162,6 +178,7 @@ def _batches(recipe: TrainingRecipe, examples: Examples, aside: NDArray[np.bool_
         uses_state=recipe.network.with_view_state,
         seed=recipe.training.seed,
         symmetries=symmetries(examples.poses, settings.frame) if settings.symmetry else None,
+        teacher=teacher,
     )
 
 

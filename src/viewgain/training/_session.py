@@ -4,6 +4,7 @@ All of it goes into a checkpoint and comes back from it to the bit, so a run tha
 """
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import torch
@@ -11,7 +12,7 @@ from torch import Tensor, nn
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from viewgain.errors import ConfigError, TrainingError
-from viewgain.network import build, score_loss
+from viewgain.network import LossSettings, build, score_loss
 from viewgain.training._batches import Batch, Batches
 from viewgain.training._checkpoint import Checkpoint
 from viewgain.training._ranks import Ranks
@@ -104,9 +105,19 @@ class Session:
         half = self.recipe.training.precision == "bfloat16"
         with torch.autocast(torch.device(self._device).type, dtype=torch.bfloat16, enabled=half):
             output = self._joined(batch.points, batch.mask, batch.states)
-        loss = score_loss(output.float(), batch.targets, self.recipe.loss)
+        loss = _labelled(output.float(), batch, self.recipe)
         # Gradients are averaged over processes, but a sum over the whole batch is the sum of theirs.
         return loss * self._ranks.size if self.recipe.loss.kind == "half_sum" else loss
+
+
+def _labelled(output: Tensor, batch: Batch, recipe: TrainingRecipe) -> Tensor:
+    """Return the loss against the labels, or its mean with the loss against the teacher's scores, by the teacher's weight."""
+    loss, distil = recipe.loss, recipe.distil
+    labels = score_loss(output, batch.targets, loss)
+    if distil is None or batch.taught is None:
+        return labels
+    by_teacher: LossSettings = loss if distil.temperature is None else replace(loss, temperature=distil.temperature)
+    return distil.weight * score_loss(output, batch.taught, by_teacher) + (1 - distil.weight) * labels
 
 
 def _groups(model: nn.Module, weight_decay: float) -> list[dict[str, Any]]:

@@ -105,6 +105,25 @@ class TrainingSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DistilSettings:
+    """A teacher whose scores are learned beside the labels, or in their place."""
+
+    teacher: str
+    """A network file (.onnx) or shipped name, or the folder of a run, whose best weights then compute where the student does."""
+    weight: float = 0.5
+    """Share of the loss that is against the teacher's scores; the rest is against the labels. 1 for the teacher alone."""
+    temperature: float | None = None
+    """Of the listwise ranking loss against the teacher's scores; none to take that of the loss."""
+
+    def __post_init__(self) -> None:
+        if not self.teacher or not 0 < self.weight <= 1 or (self.temperature is not None and not self.temperature > 0):
+            raise ConfigError(
+                f"distil: got teacher {self.teacher!r}, weight {self.weight}, temperature {self.temperature}; wanted a teacher, a"
+                " weight over 0 and up to 1, and a temperature over 0 or none"
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TrainingRecipe:
     """A whole recipe."""
 
@@ -120,3 +139,13 @@ class TrainingRecipe:
     """How."""
     loss: LossSettings = field(default_factory=LossSettings)
     """What is made small."""
+    distil: DistilSettings | None = None
+    """Who teaches beside the labels, if anybody."""
+
+    def __post_init__(self) -> None:
+        kinds = ("mean", "half_sum") if self.network.uncertainty == "none" else (self.network.uncertainty,)
+        if self.loss.kind not in kinds:
+            raise ConfigError(
+                f"training recipe {self.name}: got a loss of kind {self.loss.kind!r} for a network of uncertainty"
+                f" {self.network.uncertainty!r}, wanted {' or '.join(kinds)}"
+            )

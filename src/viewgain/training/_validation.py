@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from viewgain.network import score_loss, scores_of
+from viewgain.network import score_loss, scores_of, sigma_of
 from viewgain.training._batches import in_order
 from viewgain.training._examples import Examples
 from viewgain.training._settings import TrainingRecipe
@@ -30,10 +30,13 @@ class Validation:
     """Share where the highest score stands at the best view."""
     within: tuple[float, ...]
     """Share where the chosen view is worth at most so much less than the best, for each of :data:`THRESHOLDS`."""
+    sigma_ratio: float | None
+    """Root mean square of error / standard deviation over all views: 1 where the network is rightly sure, more where it is too
+    sure; None for a network without uncertainty."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures by name: ``loss``, ``exact``, ``within_0.05``, ..."""
-        figures = asdict(self)
+        """Return the figures by name: ``loss``, ``exact``, ``within_0.05``, ...; what the network does not give is left out."""
+        figures = {name: figure for name, figure in asdict(self).items() if figure is not None}
         figures.pop("within")
         return figures | {f"within_{limit}": share for limit, share in zip(THRESHOLDS, self.within, strict=True)}
 
@@ -41,7 +44,7 @@ class Validation:
 def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows: NDArray[np.intp]) -> Validation:
     """Return how good a network's choices are on some samples; the model is put into evaluation mode and back."""
     points, uses_state = recipe.network.points, recipe.network.with_view_state
-    losses, exact, shortfalls = [], [], []
+    losses, exact, shortfalls, ratios = [], [], [], []
     was_training = model.training
     model.eval()
     with torch.inference_mode():
@@ -51,12 +54,16 @@ def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows:
             picked = scores_of(output).argmax(1)
             exact.append((picked == batch.targets.argmax(1)).cpu().numpy())
             shortfalls.append(shortfall(batch.targets, picked).cpu().numpy())
+            sigma = sigma_of(output)
+            if sigma is not None:
+                ratios.append(((scores_of(output) - batch.targets) / sigma).square().mean(1).cpu().numpy())
     model.train(was_training)
     lost = np.concatenate(shortfalls)
     return Validation(
         samples=len(rows),
         loss=sum(losses) / len(rows),
         exact=float(np.concatenate(exact).mean()),
+        sigma_ratio=float(np.sqrt(np.concatenate(ratios).mean())) if ratios else None,
         within=tuple(float(np.mean(lost <= limit)) for limit in THRESHOLDS),
     )
 
