@@ -54,7 +54,10 @@ def test_the_constant_offset_counts_from_the_present_position() -> None:
 def test_a_table_wants_two_boxes_and_is_plain_json() -> None:
     with pytest.raises(DataError, match="2 or more"):
         volume_table(SETTINGS, [run_of(0, 0, chosen=0)], POLICIES)
-    perfect = [replace(run_of(number, 0, chosen=1), errors=np.array([[0.0] * 12, [0.5] * 12, [0.5] * 12, [0.5] * 12])) for number in (0, 1)]
+    perfect = [
+        replace(run_of(number, 0, chosen=1), errors=np.array([[0.0] * 12, [0.5] * 12, [0.5] * 12, [0.5] * 12]))
+        for number in (0, 1)
+    ]
     content = volume_table(SETTINGS, perfect, POLICIES).to_dict()
     assert content["rows"][0]["to_oracle"]["value"] is None
 

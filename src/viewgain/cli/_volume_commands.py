@@ -17,7 +17,7 @@ class EvaluateVolume:
     camera: str = "pico_flexx"
     """Camera preset (docs/cameras.md) or a TOML file."""
     policies: tuple[str, ...] = ("model", "covariance", "farthest", "constant", "random", "oracle")
-    """Who chooses: model, covariance, farthest, constant, random, oracle, network:FILE.onnx."""
+    """Who chooses: model, covariance, farthest, constant, random, oracle, network:FILE.onnx, combined:FILE.onnx."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 24

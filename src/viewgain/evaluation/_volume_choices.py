@@ -2,19 +2,25 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from viewgain.errors import ConfigError
+from viewgain.arrays import Vector
+from viewgain.errors import ConfigError, ModelError
 from viewgain.evaluation._volume_case import VolumeCase
+from viewgain.gain import unrolled
+from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan import (
     CovariancePolicy,
     ExpectedErrorPolicy,
     FarthestPolicy,
+    MeanPolicy,
     OnBelief,
     Seen,
     ViewPolicy,
+    VolumeNetworkPolicy,
     choose,
     visited_among,
 )
@@ -42,6 +48,8 @@ DECIDING: Mapping[str, Maker] = {
     "covariance": lambda case: OnBelief(CovariancePolicy(POSE_SIGMA), case.camera),
     "farthest": lambda case: FarthestPolicy(),
 }
+FROM_FILE = {"network": "its scores alone", "combined": "the mean of them and the model's"}
+"""Policies that are named with a file, ``network:FILE.onnx``, and what decides."""
 """Policies by name, but for networks. ``model`` expects the error that is scored, ``covariance`` the certainty after fusing."""
 DEFAULT_POLICIES = ("model", "covariance", "farthest", "constant", "random", "oracle")
 """What is compared where nothing is named."""
@@ -54,11 +62,64 @@ def check_policies(names: tuple[str, ...]) -> None:
         ConfigError: Saying which.
     """
     for name in names:
-        if name not in DECIDING and name not in FLOORS and not name.startswith("network:"):
-            known = ", ".join([*DECIDING, *FLOORS, "network:FILE"])
+        if name not in DECIDING and name not in FLOORS and not is_from_file(name):
+            known = ", ".join([*DECIDING, *FLOORS, *(f"{kind}:FILE" for kind in FROM_FILE)])
             raise ConfigError(f"policy {name!r} is not known; choose from {known}")
     if len(set(names)) < len(names):
         raise ConfigError(f"policies: got {', '.join(names)}, wanted each once")
+
+
+def is_from_file(name: str) -> bool:
+    """Return whether a policy is named with the file of its network."""
+    return name.partition(":")[0] in FROM_FILE and len(name.partition(":")[2]) > 0
+
+
+def policy_of(name: str, case: VolumeCase) -> ViewPolicy:
+    """Return the policy of a name for a case.
+
+    Raises:
+        ModelError: If its network cannot be used.
+        ConfigError: If a network of one rig is asked about another.
+    """
+    if name in DECIDING:
+        return DECIDING[name](case)
+    kind, _, file = name.partition(":")
+    network = network_policy(file, rig=case.settings.stations().name)
+    return network if kind == "network" else MeanPolicy(DECIDING["model"](case), network)
+
+
+@lru_cache(maxsize=4)
+def network_policy(file: str, *, rig: str) -> ViewPolicy:
+    """Return the policy of a network file: one that is told poses, or one of whole scans with the views of one rig.
+
+    Raises:
+        ModelError: If there is no such file, or it is no network for volumes.
+        ConfigError: If it is of another rig.
+    """
+    try:
+        return VolumeNetworkPolicy(PoseScorer.load(file))
+    except ModelError:
+        scorer = Scorer.load(file)
+    reason = scorer.refusal(frame="camera", rig=rig)
+    if reason or scorer.card.normalisation != "metres":
+        raise ConfigError(reason or f"{file}: scores coverage and not volumes; name a network that was trained for volumes")
+    return StationNetworkPolicy(scorer)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StationNetworkPolicy:
+    """A network with the views of its rig fixed, the present one first, as in the paper. It must know where it stands."""
+
+    scorer: Scorer
+    name: str = "network"
+
+    def scores(self, seen: Seen) -> Vector:
+        """Return (V,) scores in rig order; NaN where there is no scan or the camera stands near no station."""
+        if not seen.scans:
+            return np.full(len(seen.candidates), np.nan)
+        here = seen.stands[-1, :3, 3]
+        present = int(np.argmin(np.linalg.norm(seen.candidates[:, :3, 3] - here, axis=1)))
+        return unrolled(self.scorer.scores(seen.scans[-1].points, frame="camera"), present)
 
 
 def choice(case: VolumeCase, policy: ViewPolicy) -> Choice:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from viewgain.arrays import Array, Mask
 from viewgain.datasets import LocalEngine, make_folder, write_whole
 from viewgain.errors import DataError
 from viewgain.evaluation._volume_case import VolumeSettings, case_errors, volume_case
-from viewgain.evaluation._volume_choices import DECIDING, Choice, choice
+from viewgain.evaluation._volume_choices import DECIDING, Choice, choice, is_from_file, policy_of
 
 SETTINGS, BOXES = "settings.json", "boxes"
 """What a folder of results holds: the question, and one file per box."""
@@ -78,7 +77,7 @@ def run_boxes(
         ConfigError: If the settings leave no box.
         StorageError: If the folder cannot be written.
     """
-    deciding = tuple(name for name in policies if name in DECIDING or name.startswith("network:"))
+    deciding = tuple(name for name in policies if name in DECIDING or is_from_file(name))
     if folder is not None:
         _claim(folder, settings)
     tasks = [_Task(settings=settings, number=number, policies=deciding, known=_kept(folder, number)) for number in range(boxes)]
@@ -101,7 +100,7 @@ def _worked_out(task: _Task) -> VolumeRun:
         raise DataError(f"box {task.number}: its file holds errors {errors.shape}; remove it and run the same command again")
     choices, spent = {}, {}
     for name in task.policies:
-        policy = _policy(name)(case)
+        policy = policy_of(name, case)
         start = process_time()
         choices[name] = choice(case, policy)
         spent[name] = 1e3 * (process_time() - start)
@@ -115,10 +114,6 @@ def _worked_out(task: _Task) -> VolumeRun:
         choices=choices,
         milliseconds=spent,
     )
-
-
-def _policy(name: str) -> Any:
-    return DECIDING[name]
 
 
 def _truth(run: VolumeRun) -> str:

@@ -22,7 +22,7 @@ MEAN_OF_NORMAL = float(np.sqrt(2 / np.pi))
 """Mean of |x| over the standard deviation of a normal x."""
 CUT, CUT_AND_LONG = 0.17, 0.99
 """Chance that a scan of a box that leaves the image gives no volume: where it shows every dimension from end to end, and where
-it does not. Like the next two numbers read off 1,148 simulated scans of 150 boxes by a pico flexx, of seeds used for nothing else."""
+it does not. Like the next two numbers read off 1,148 simulated scans of 150 boxes by a pico flexx, seeds of their own."""
 FEW, FEW_POWER = 800.0, 2.0
 """Returns at which every second measurement fails, and the power of the odds: (800 / returns)^2."""
 OPEN_POWER = 3.0

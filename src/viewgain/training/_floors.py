@@ -23,8 +23,10 @@ def floors(examples: Examples, aside: NDArray[np.bool_]) -> Mapping[str, Mapping
     views = scores.shape[1]
     offset = int(torch.bincount(learned.argmax(1), minlength=views).argmax())
     each = [_figures(judged, view) for view in range(views)]
+    # Of candidates that cannot be reached nobody guesses: they are right nowhere, and are left out of the mean.
+    share = 1.0 if examples.valid is None else float(examples.valid[torch.from_numpy(aside)].double().mean())
     return {
-        "view at random": {name: float(np.mean([figures[name] for figures in each])) for name in each[0]},
+        "view at random": {name: float(np.mean([figures[name] for figures in each])) / share for name in each[0]},
         "constant offset": each[offset],
     }
 

@@ -20,6 +20,11 @@ TRAINING_RECIPES = (
     "compact_view33",
     "compact_fast",
     "compact_fast_view",
+    "volume_irregular",
+    "volume_irregular_fixed",
+    "volume_random",
+    "volume_fused",
+    "volume_tiny",
 )
 """Names of the recipes that come with the package."""
 _KEYS = ("makes", "network", "data", "training", "loss", "distil")

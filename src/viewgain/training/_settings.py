@@ -38,6 +38,13 @@ class DataSettings:
     symmetry: bool = False
     """Show each sample turned and mirrored at random, by those motions about the vertical that carry the rig onto itself; the
     scores move with the views, so they stay right. Refused where the rig has no such motion."""
+    whole_scan: bool = False
+    """Clouds are whole scans in metres, as the camera measured them, instead of objects scaled to their box; the card says so."""
+    turn_deg: float = 0.0
+    """For networks that are told the candidates' poses: turn the present camera's axes at random by up to so much, points and
+    poses alike; what a candidate sees stays the same."""
+    mirror: bool = False
+    """For the same networks: mirror half of the samples left to right, scene and cameras alike."""
     jitter: float = 0.0
     """Standard deviation of normal noise on every coordinate, in units of the data."""
     dropout: float = 0.0
@@ -49,6 +56,8 @@ class DataSettings:
                 f"data: got validation_share {self.validation_share} and resident {self.resident}, wanted one between 0 and 1 and"
                 " one of 1 or more"
             )
+        if self.turn_deg < 0 or (self.whole_scan and self.frame != "camera"):
+            raise ConfigError("data: wanted a turn_deg of 0 or more, and whole scans in the camera frame only")
         if self.jitter < 0 or not 0 <= self.dropout < 1:
             raise ConfigError(f"data: got jitter {self.jitter}, dropout {self.dropout}; wanted 0 or more, and 0 to under 1")
 

@@ -49,14 +49,16 @@ def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows:
     model.eval()
     with torch.inference_mode():
         for chosen, batch in in_order(examples, rows, batch=_BATCH, points=points, uses_state=uses_state):
-            output = model(batch.points, batch.mask, batch.states).float()
-            losses.append(float(score_loss(output, batch.targets, recipe.loss)) * len(chosen))
-            picked = scores_of(output).argmax(1)
+            output = model(batch.points, batch.mask, batch.told).float()
+            losses.append(float(score_loss(output, batch.targets, recipe.loss, valid=batch.valid)) * len(chosen))
+            valid = torch.ones_like(batch.targets, dtype=torch.bool) if batch.valid is None else batch.valid
+            picked = scores_of(output).masked_fill(~valid, -torch.inf).argmax(1)
             exact.append((picked == batch.targets.argmax(1)).cpu().numpy())
             shortfalls.append(shortfall(batch.targets, picked).cpu().numpy())
             sigma = sigma_of(output)
             if sigma is not None:
-                ratios.append(((scores_of(output) - batch.targets) / sigma).square().mean(1).cpu().numpy())
+                squares = ((scores_of(output) - batch.targets) / sigma).square()
+                ratios.append(squares[valid].cpu().numpy())
     model.train(was_training)
     lost = np.concatenate(shortfalls)
     return Validation(
