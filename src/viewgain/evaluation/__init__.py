@@ -29,6 +29,9 @@ from viewgain.evaluation._position_scores import costs as costs
 from viewgain.evaluation._position_scores import position_scores as position_scores
 from viewgain.evaluation._ratios import Ratio as Ratio
 from viewgain.evaluation._ratios import ratio as ratio
+from viewgain.evaluation._risk import KEPT as KEPT
+from viewgain.evaluation._risk import risk_coverage as risk_coverage
+from viewgain.evaluation._risk import risks_at as risks_at
 from viewgain.evaluation._scored import Scored as Scored
 from viewgain.evaluation._scored import scored as scored
 from viewgain.evaluation._table1 import RESERVED as RESERVED

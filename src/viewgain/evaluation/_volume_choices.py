@@ -39,6 +39,8 @@ class Choice:
     """Where to go; the present position where the policy has no opinion."""
     has_opinion: bool
     """Whether it had one."""
+    margin: float = 0.0
+    """By how much the policy prefers it to the next best position, in the unit of its scores; 0 without an opinion."""
 
 
 Maker = Callable[[VolumeCase], ViewPolicy]
@@ -129,7 +131,9 @@ def choice(case: VolumeCase, policy: ViewPolicy) -> Choice:
     place = choose(scores, case.reachable)
     if place is None or not np.isfinite(scores[place]):
         return Choice(case.present, False)
-    return Choice(place, True)
+    others = np.delete(scores, place)[np.delete(case.reachable, place)]
+    known = others[np.isfinite(others)]
+    return Choice(place, True, float(scores[place] - known.max()) if len(known) else 0.0)
 
 
 def seen_of(case: VolumeCase) -> Seen:

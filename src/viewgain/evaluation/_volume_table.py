@@ -13,6 +13,7 @@ from viewgain.evaluation._bootstrap import Shares, shares_by_object
 from viewgain.evaluation._decisions import JUDGED, constant_choices, guessed, judged
 from viewgain.evaluation._position_scores import PositionScores, agreement, best_positions, position_scores
 from viewgain.evaluation._ratios import Ratio, ratio
+from viewgain.evaluation._risk import risks_at
 from viewgain.evaluation._volume_case import VolumeSettings
 from viewgain.evaluation._volume_choices import CONSTANT, FLOORS, OFFSET, ORACLE, UNIFORM
 from viewgain.evaluation._volume_runs import VolumeRun
@@ -32,6 +33,9 @@ class VolumeRow:
     """Share of best positions over the ceiling."""
     to_oracle: Ratio
     """Mean error over that of the oracle's choice."""
+    kept: tuple[float, ...] = ()
+    """Mean of how much worse than the best position its choice is, over the 50, 70, 90 and 100 % of boxes where it expects to be
+    the furthest ahead of its next choice; empty where nothing decides."""
     undecided: int = 0
     """Boxes on which it had no opinion and stayed."""
     milliseconds: float | None = None
@@ -99,6 +103,7 @@ def volume_table(settings: VolumeSettings, runs: Sequence[VolumeRun], policies: 
                 shares=shares_by_object(values, boxes, rng=rng),
                 of_ceiling=ratio(values[:, 0], halves[:, 0], rng=rng),
                 to_oracle=ratio(values[:, 2], oracle[:, 2], rng=rng),
+                kept=_kept(runs, name, values, scoring),
                 undecided=sum(not run.choices[name].has_opinion for run in runs if name in run.choices),
                 milliseconds=_median(runs, name),
             )
@@ -124,6 +129,13 @@ def _results(
         if name not in FLOORS:
             results[name] = judged(scoring, [run.choices[name].position for run in runs])
     return results
+
+
+def _kept(runs: Sequence[VolumeRun], name: str, values: Array, scoring: Sequence[PositionScores]) -> tuple[float, ...]:
+    if not all(name in run.choices for run in runs):
+        return ()
+    above = values[:, 2] - np.array([box.mean[box.least] for box in scoring])
+    return risks_at([run.choices[name].margin for run in runs], above)
 
 
 def _median(runs: Sequence[VolumeRun], name: str) -> float | None:

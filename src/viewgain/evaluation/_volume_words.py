@@ -2,6 +2,7 @@
 
 from viewgain.evaluation._bootstrap import Shares
 from viewgain.evaluation._ratios import Ratio
+from viewgain.evaluation._risk import KEPT
 from viewgain.evaluation._volume_table import VolumeTable
 
 _HEADER = ("", "best position, %", "of the ceiling", "within 2 points, %", "mean error, %", "to the oracle's", "undecided", "ms")
@@ -23,7 +24,18 @@ def volume_markdown(table: VolumeTable) -> str:
         for row in table.rows
     ]
     lines = ["| " + " | ".join(cells) + " |" for cells in (_HEADER, ["---"] * len(_HEADER), *rows)]
-    return "\n".join([*_heading(table), "", *lines]) + "\n"
+    return "\n".join([*_heading(table), "", *lines, *_risks(table)]) + "\n"
+
+
+def _risks(table: VolumeTable) -> list[str]:
+    """Return the risk-coverage table, where something decides."""
+    rows = [(row.name, *(f"{100 * risk:.2f}" for risk in row.kept)) for row in table.rows if row.kept]
+    if not rows:
+        return []
+    header = ("points of error above the best position, deciding on", *(f"{share:.0%} of boxes" for share in KEPT))
+    cells = [header, ["---"] * len(header), *rows]
+    return ["", *("| " + " | ".join(row) + " |" for row in cells), "", "Left out first: boxes where a policy's best and next best"
+            " position are nearest to each other by its own scores."]  # fmt: skip
 
 
 def _heading(table: VolumeTable) -> list[str]:
