@@ -1,4 +1,4 @@
-"""Is the expected error of a view, worked out from the true box without a scan, that of the real estimator? Targets are made of it."""
+"""Is the expected error of a view, worked out from the true box without a scan, that of the real estimator?"""
 
 import argparse
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from benchmarks._tables import bootstrap, markdown, percent
-from viewgain.datasets import expected_alone, expected_fused
+from viewgain.datasets import volume_alone, volume_fused
 from viewgain.evaluation import (
     PositionScores,
     VolumeRun,
@@ -35,8 +35,8 @@ def run(options: argparse.Namespace) -> None:
     """Print the table."""
     boxes = options.scenes or BOXES
     print("## Expected error of a view against the default estimator\n")
-    print("Random boxes of 0.05 to 1.2 m, random yaw, positions that can be reached. Expected: from the true box and the position\n"
-          "without jitter, no scan. Real: mean |relative volume error| of the scans, a miss counts as 100 %.\n")  # fmt: skip
+    print("Random boxes of 0.05 to 1.2 m, random yaw, positions that can be reached. Expected: from the true box and the\n"
+          "position without jitter, no scan. Real: mean |relative volume error| of the scans, a miss counts as 100 %.\n")  # fmt: skip
     header = ("rig, camera", "boxes", "runs", "real mean", "expected mean", "rank correlation of all positions",
               "of one box's, mean", "its best is a best", "within 2 points", "error of its best over the least")  # fmt: skip
     rows = []
@@ -50,9 +50,7 @@ def run(options: argparse.Namespace) -> None:
 def _row(settings: VolumeSettings, runs: Sequence[VolumeRun]) -> tuple[str, ...]:
     scores = [position_scores(each.errors, each.reachable) for each in runs]
     expected = [_expected(settings, each.number) for each in runs]
-    chosen = [
-        int(np.argmin(np.where(box.allowed, each, np.inf))) for box, each in zip(scores, expected, strict=True)
-    ]
+    chosen = [int(np.argmin(np.where(box.allowed, each, np.inf))) for box, each in zip(scores, expected, strict=True)]
     real = np.concatenate([box.mean[box.allowed] for box in scores])
     said = np.concatenate([each[box.allowed] for box, each in zip(scores, expected, strict=True)])
     within = [r for box, each in zip(scores, expected, strict=True) if np.isfinite(r := _correlation(box, each))]
@@ -72,8 +70,8 @@ def _expected(settings: VolumeSettings, number: int) -> np.ndarray:
     """Return (V,) expected errors of a case's positions."""
     case = volume_case(settings, number)
     if settings.fused:
-        return -expected_fused(case.box, case.stations[case.present], case.stations, case.camera)
-    return -expected_alone(case.box, case.stations, case.camera)
+        return -volume_fused(case.box, case.stations[case.present], case.stations, case.camera)
+    return -volume_alone(case.box, case.stations, case.camera)
 
 
 def _correlation(box: PositionScores, expected: np.ndarray) -> float:

@@ -62,5 +62,16 @@ def test_a_network_is_trained_exported_and_asked_on_fresh_boxes(
     assert [row["name"] for row in table["rows"]] == [*policies[1:3], "uniform guess"]
     assert all(row["undecided"] == 0 for row in table["rows"])
     assert 0 < table["rows"][0]["milliseconds"] < table["rows"][1]["milliseconds"]
+    assert main(["simulate", "--out", str(tmp_path / "scans"), "--seed", "3"]) == 0
+    scan = next((tmp_path / "scans").rglob("*.npz"))
+    capsys.readouterr()
+    ranked = {}
+    for policy in ("network", "combined"):
+        assert main(["next", str(scan), "--policy", policy, "--model", str(file), "--json"]) == 0
+        ranked[policy] = json.loads(capsys.readouterr().out)
+        assert (ranked[policy]["policy"], len(ranked[policy]["candidates"])) == (policy, 8)
+    assert ranked["network"]["candidates"] != ranked["combined"]["candidates"]
+    assert main(["next", str(scan), "--policy", "network"]) == 2
+    assert "wanted one that was trained for volumes" in capsys.readouterr().err
     assert main(["evaluate", "volume", *arguments, "--policies", "network:nowhere.onnx"]) == 2
     assert "no such file" in capsys.readouterr().err

@@ -8,8 +8,8 @@ from viewgain.datasets._engine import Engine as Engine
 from viewgain.datasets._engine import LocalEngine as LocalEngine
 from viewgain.datasets._engine import engine as engine
 from viewgain.datasets._estimators import volume_error as volume_error
-from viewgain.datasets._expected import alone as expected_alone
-from viewgain.datasets._expected import fused as expected_fused
+from viewgain.datasets._expected import volume_alone as volume_alone
+from viewgain.datasets._expected import volume_fused as volume_fused
 from viewgain.datasets._export import export_hf as export_hf
 from viewgain.datasets._files import make_folder as make_folder
 from viewgain.datasets._files import write_whole as write_whole

@@ -8,7 +8,7 @@ import numpy as np
 
 from viewgain.arrays import Array, Points, Pose
 from viewgain.camera import Sensor
-from viewgain.datasets._expected import ALONE, FUSED, alone, fused
+from viewgain.datasets._expected import ALONE, FUSED, volume_alone, volume_fused
 from viewgain.datasets._points import kept
 from viewgain.datasets._sample import Sample
 from viewgain.datasets._seeds import SCAN, SCENE, generator
@@ -82,12 +82,12 @@ class BoxMaker:
     def _targets(self, box: int, view: int, present: Pose) -> dict[str, Array]:
         """Return what each station is expected to be worth, the present view first."""
         setup = self._setup(box)
-        after = fused(setup.caster.scene.boxes[0], present, setup.stations(), setup.camera)
+        after = volume_fused(setup.caster.scene.boxes[0], present, setup.stations(), setup.camera)
         return {ALONE: np.roll(self._alone(box), -view), FUSED: np.roll(after, -view)}
 
     def _made_alone(self, box: int) -> Array:
         setup = self._setup(box)
-        return alone(setup.caster.scene.boxes[0], setup.stations(), setup.camera)
+        return volume_alone(setup.caster.scene.boxes[0], setup.stations(), setup.camera)
 
     def _sample(self, unit: Unit, setup: Setup, points: Points, present: Pose, number: int) -> Sample:
         """Return what a scan from a pose is a sample of; the candidates are still to be filled in."""

@@ -12,12 +12,12 @@ ALONE, FUSED = "volume_alone", "volume_fused"
 """Names of the targets: minus the expected |relative volume error| of a scan alone, and of one fused with the present one."""
 
 
-def alone(box: Box, stations: Poses, camera: Sensor) -> Array:
+def volume_alone(box: Box, stations: Poses, camera: Sensor) -> Array:
     """Return (V,) minus the expected error of a scan from each station; box and stations in the world."""
     return -np.array([expected_error(box, station, camera) for station in stations])
 
 
-def fused(box: Box, present: Pose, stations: Poses, camera: Sensor) -> Array:
+def volume_fused(box: Box, present: Pose, stations: Poses, camera: Sensor) -> Array:
     """Return (V,) minus the expected error after fusing a scan from each station with one from ``present``; all in the world."""
     to_present = inverse(present)
     here = box.in_frame(to_present)

@@ -104,10 +104,10 @@ class ExpectedErrorPolicy:
     name: str = "model"
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
-        """Return one assessment per candidate; the score is minus the expected error."""
+        """Return one assessment per candidate; the score is 1 minus the expected error."""
         del tolerance
         errors = np.array([self._errors(belief, box, candidates) for box in belief.boxes]).mean(axis=0)
-        return tuple(Assessment(-float(error), None, None) for error in errors)
+        return tuple(Assessment(1 - float(error), None, None) for error in errors)
 
     def _errors(self, belief: Belief, box: Box, candidates: Poses) -> list[float]:
         sensor, noise = belief.sensor, belief.noise
