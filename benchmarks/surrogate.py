@@ -30,13 +30,17 @@ SETTINGS = (
 )
 """What is compared; of the third an eighth of the boxes, for each takes several times as long."""
 
+_SETTING = """\
+Random boxes of 0.05 to 1.2 m, random yaw, positions that can be reached. Expected: from the true box and the position without
+jitter, no scan. Real: mean |relative volume error| of the scans, a miss counts as 100 %.
+"""
+
 
 def run(options: argparse.Namespace) -> None:
     """Print the table."""
     boxes = options.scenes or BOXES
     print("## Expected error of a view against the default estimator\n")
-    print("Random boxes of 0.05 to 1.2 m, random yaw, positions that can be reached. Expected: from the true box and the\n"
-          "position without jitter, no scan. Real: mean |relative volume error| of the scans, a miss counts as 100 %.\n")  # fmt: skip
+    print(_SETTING)
     header = ("rig, camera", "boxes", "runs", "real mean", "expected mean", "rank correlation of all positions",
               "of one box's, mean", "its best is a best", "within 2 points", "error of its best over the least")  # fmt: skip
     rows = []

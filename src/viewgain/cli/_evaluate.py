@@ -6,7 +6,7 @@ from pathlib import Path
 
 from viewgain.cli._exit import NOT_WRITTEN, print_error
 from viewgain.cli._training_commands import Evaluate, EvaluateTable1
-from viewgain.cli._volume_commands import EvaluateVolume
+from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
 from viewgain.datasets import Dataset, make_folder, write_whole
 from viewgain.errors import ConfigError, DataError, StorageError
 from viewgain.evaluation import RESERVED, SPLITS, judged_rows, table1, to_markdown
@@ -19,6 +19,10 @@ def run_evaluate(command: Evaluate) -> int:
         from viewgain.cli._evaluate_volume import run_evaluate_volume
 
         return run_evaluate_volume(command.what)
+    if isinstance(command.what, EvaluateTable2):
+        from viewgain.cli._evaluate_table2 import run_evaluate_table2
+
+        return run_evaluate_table2(command.what)
     return _run_table1(command.what)
 
 

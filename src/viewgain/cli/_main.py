@@ -34,6 +34,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain train RECIPE                 a network from training data, and go on with it to the bit
   viewgain export RUN --out FILE.onnx   its best weights, with a model card
   viewgain evaluate table1 --data DIR   how often it chooses the best view, beside floors
+  viewgain evaluate table2 --data DIR   how often it names a box's best position
   viewgain evaluate volume              planners for a box's volume, on fresh boxes
   viewgain demo                         the whole loop on a simulated scene, with a report
 

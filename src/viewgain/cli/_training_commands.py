@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from viewgain.cli._volume_commands import EvaluateVolume
+from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +76,8 @@ class Evaluate:
     """Say how well views are chosen, beside floors, with intervals."""
 
     what: tyro.conf.OmitSubcommandPrefixes[
-        Annotated[EvaluateTable1, tyro.conf.subcommand("table1")] | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
+        Annotated[EvaluateTable1, tyro.conf.subcommand("table1")]
+        | Annotated[EvaluateTable2, tyro.conf.subcommand("table2")]
+        | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
     ]
     """What to evaluate."""

@@ -36,3 +36,31 @@ class EvaluateVolume:
     """One JSON object, one line, and nothing else on stdout."""
     out: Path | None = None
     """Folder of the results: what every box took is kept, so the same command goes on where it was; volume.md and volume.json."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateTable2:
+    """Say how often networks name the best position of a box, on boxes that train and on others: the paper's Table 2."""
+
+    data: Path
+    """Folder of a built boxes_paper set, with volume errors (viewgain dataset build boxes_paper --errors lines_published)."""
+    models: tuple[str, ...] = ()
+    """Networks of whole scans: .onnx files or shipped names; none for the floors alone."""
+    target: str = "histogram:lines_published:soft"
+    """What says which position is best: histogram:ESTIMATOR:OBJECTIVE, or tally:4,3,2,2:SEED for one drawn label per box."""
+    captures: int = 50
+    """Test scans of each box and position that are judged, at most."""
+    folds: int = 0
+    """Choices of held-out boxes to train a network for, each anew; 0 for none."""
+    leave: int = 3
+    """Boxes that each choice holds out."""
+    recipe: str = "volume_paper_short"
+    """What is trained for each choice."""
+    minutes: float = 2.0
+    """How long each of those trains."""
+    seed: int = 0
+    """Of the intervals, and of the order of the choices."""
+    json: bool = False
+    """One JSON object per table, one line each, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder to write table2.md and table2.json into, and the runs of the folds, which go on there."""

@@ -15,6 +15,7 @@ from viewgain.datasets._files import make_folder as make_folder
 from viewgain.datasets._files import write_whole as write_whole
 from viewgain.datasets._manifest import Manifest as Manifest
 from viewgain.datasets._manifest import read_manifest as read_manifest
+from viewgain.datasets._named_scores import with_target as with_target
 from viewgain.datasets._plan import Plan as Plan
 from viewgain.datasets._plan import plan_of as plan_of
 from viewgain.datasets._recipe_file import RECIPES as RECIPES

@@ -16,6 +16,7 @@ from viewgain.evaluation._decisions import judged as judged
 from viewgain.evaluation._decisions import worth as worth
 from viewgain.evaluation._floors import constant_offset as constant_offset
 from viewgain.evaluation._floors import uniform_hits as uniform_hits
+from viewgain.evaluation._folds import leave_out as leave_out
 from viewgain.evaluation._judged import SPLITS as SPLITS
 from viewgain.evaluation._judged import Judged as Judged
 from viewgain.evaluation._judged import judged_rows as judged_rows
@@ -39,6 +40,9 @@ from viewgain.evaluation._table1 import Difference as Difference
 from viewgain.evaluation._table1 import Row as Row
 from viewgain.evaluation._table1 import Table1 as Table1
 from viewgain.evaluation._table1 import table1 as table1
+from viewgain.evaluation._table2 import Table2 as Table2
+from viewgain.evaluation._table2 import table2 as table2
+from viewgain.evaluation._table2 import table2_markdown as table2_markdown
 from viewgain.evaluation._volume_case import VolumeCase as VolumeCase
 from viewgain.evaluation._volume_case import VolumeSettings as VolumeSettings
 from viewgain.evaluation._volume_case import case_errors as case_errors

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from viewgain.arrays import Poses
-from viewgain.datasets import Dataset, Sample, rig_of
+from viewgain.datasets import Dataset, Sample, rig_of, with_target
 from viewgain.errors import DataError
 from viewgain.geometry import inverse
 from viewgain.training._settings import DataSettings
@@ -73,9 +73,11 @@ def load_examples(data: Dataset, settings: DataSettings, *, views: int, seed: in
         ConfigError: If there is no such division.
     """
     check_data(data, settings, views=None if with_poses else views)
+    data = with_target(data, settings.target)
     chosen = np.arange(len(data))
     for division in settings.divisions:
         chosen = np.intersect1d(chosen, data.part(division, "train"))
+    chosen = chosen[~np.isin(data.column("object")[chosen], settings.without)]
     if len(chosen) == 0:
         raise DataError(f"{data.folder}: got no sample that trains in {' and '.join(settings.divisions)}; change the divisions")
     return _stacked(data, chosen, settings, views=views, seed=seed, with_poses=with_poses)
@@ -93,10 +95,6 @@ def check_data(data: Dataset, settings: DataSettings, *, views: int | None) -> N
         raise DataError(f"{data.folder}: got data of rig {rig}, wanted {settings.rig}; name other data or another recipe")
     if manifest.frame != settings.frame:
         raise DataError(f"{data.folder}: got points in frame {manifest.frame}, wanted {settings.frame}; name other data")
-    if settings.target not in manifest.targets:
-        raise DataError(
-            f"{data.folder}: got the scores {', '.join(manifest.targets) or 'none'}, wanted {settings.target}; name other data"
-        )
     count = len(data[0].candidates) if len(data) else 0
     if views is not None and count != views:
         raise DataError(f"{data.folder}: got data with {count} views, wanted {views}, as the network has; name other data")

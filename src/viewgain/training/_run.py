@@ -131,7 +131,8 @@ def _run(
     check_same(teacher, before)
     network = recipe.network
     examples = load_examples(data, recipe.data, views=network.views, seed=seed, with_poses=network.with_poses)
-    aside = held_out(examples.objects, recipe.data.validation_share, seed=seed)
+    watched = examples.objects if recipe.data.validate_on == "objects" else np.arange(len(examples))
+    aside = held_out(watched, recipe.data.validation_share, seed=seed)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         session = Session(recipe, _batches(recipe, examples, aside, means.device, teacher), device=means.device, ranks=group)

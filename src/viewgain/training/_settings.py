@@ -28,11 +28,16 @@ class DataSettings:
     frame: Frame = "object"
     """Frame that the points must be in."""
     target: str = "gain_published"
-    """Which scores of the data set are learned."""
+    """Which scores of the data set are learned; also ``histogram:ESTIMATOR:OBJECTIVE`` of stored volume errors, or
+    ``tally:4,3,2,2:SEED`` (``viewgain.datasets.with_target``)."""
     divisions: tuple[str, ...] = ()
     """Learn from what is in part ``train`` of each of these divisions; empty to learn from all samples."""
     validation_share: float = 0.1
     """Share of the objects that are kept out of training to watch it; whole objects, drawn with the seed."""
+    validate_on: Literal["objects", "samples"] = "objects"
+    """What that share is of. ``samples`` of objects that train too: then the figures measure memory, as on the paper's boxes."""
+    without: tuple[int, ...] = ()
+    """Numbers of objects that are left out of everything."""
     resident: int = 1024
     """Points of each sample that are held in memory, as half floats; every step draws the network's number of them anew."""
     symmetry: bool = False
