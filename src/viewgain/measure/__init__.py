@@ -2,6 +2,7 @@
 
 from viewgain.measure._calibrate import Calibration as Calibration
 from viewgain.measure._calibrate import calibrate as calibrate
+from viewgain.measure._evidence import MAX_SLENDER as MAX_SLENDER
 from viewgain.measure._fit import marginal as marginal
 from viewgain.measure._floor import Floor as Floor
 from viewgain.measure._floor import find_floors as find_floors

@@ -13,7 +13,7 @@ from viewgain.arrays import Pose, Poses
 from viewgain.box import Box
 from viewgain.camera import Sensor
 from viewgain.geometry import inverse
-from viewgain.measure import OPEN_SHARE, POSE_SIGMA, Knowledge, marginal, pose_precision
+from viewgain.measure import MAX_SLENDER, OPEN_SHARE, POSE_SIGMA, Knowledge, marginal, pose_precision
 from viewgain.plan._belief import Belief, relative_sigma
 from viewgain.plan._policy import Assessment
 from viewgain.plan._showing import Showing, showing
@@ -22,9 +22,11 @@ MEAN_OF_NORMAL = float(np.sqrt(2 / np.pi))
 """Mean of |x| over the standard deviation of a normal x."""
 CUT, CUT_AND_LONG = 0.17, 0.99
 """Chance that a scan of a box that leaves the image gives no volume: where it shows every dimension from end to end, and where
-it does not. Like the next two numbers read off 1,148 simulated scans of 150 boxes by a pico flexx, seeds of their own."""
-FEW, FEW_POWER = 800.0, 2.0
-"""Returns at which every second measurement fails, and the power of the odds: (800 / returns)^2."""
+it does not. Like the other chances here read off 1,148 simulated scans of 150 boxes by a pico flexx, seeds of their own."""
+FEW = 100.0
+"""Returns at which every second measurement fails; the odds are 100 / returns."""
+SLENDER = 0.8
+"""Chance that a tower is taken for no box: one higher than measuring believes of a box (``viewgain.measure.MAX_SLENDER``)."""
 OPEN_POWER = 3.0
 """Power of the odds that a dimension stays open: of its relative standard deviation over the share that counts as open."""
 
@@ -75,18 +77,19 @@ def of_shown(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sens
 
 
 def chance_of_no_volume(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
-    """Return how likely there is no volume: a dimension stays open, the box leaves the image, or too little comes back.
+    """Return how likely there is no volume: a dimension stays open, the box is cut, too little comes back, it looks like a post.
 
-    The three count as independent; arguments as :func:`of_shown`.
+    The four count as independent; arguments as :func:`of_shown`.
     """
     sigma = np.sqrt(np.diag(known.covariance(sensor))[6:])
     looseness = float(np.max(sigma / (OPEN_SHARE * box.extents)))
     still_open = 1 - 1 / (1 + looseness**OPEN_POWER)
-    few = 1 - 1 / (1 + (FEW / max(*(view.returns for view in seen), 1.0)) ** FEW_POWER)
+    few = 1 - 1 / (1 + FEW / max(*(view.returns for view in seen), 1.0))
+    slender = SLENDER * (box.extents[2] > MAX_SLENDER * box.extents[:2].max())
     cut = 0.0
     if all(view.cut for view in seen):
         cut = CUT if np.any([view.spanned for view in seen], axis=0).all() else CUT_AND_LONG
-    return float(1 - (1 - still_open) * (1 - cut) * (1 - few))
+    return float(1 - (1 - still_open) * (1 - cut) * (1 - few) * (1 - slender))
 
 
 @dataclass(frozen=True, slots=True)
