@@ -11,10 +11,10 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table2 volume-nbv setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 volume-nbv setup clean
 
 help: ## List the targets
-	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 demo: $(VENV)/demo.stamp ## Run the worked example and write demo-report/
 	$(BIN)/viewgain demo --out demo-report
@@ -50,6 +50,12 @@ bench-data: $(VENV)/dev.stamp ## Time labels and data sets beside their slow twi
 bench-network: $(VENV)/dev.stamp ## Time the networks on one thread, the textbook's EdgeConv beside ours
 	$(BIN)/python -m benchmarks network $(ARGS)
 
+table1: $(VENV)/dev.stamp ## Judge the shipped networks on fresh objects and write tables/table1.md (docs/results.md)
+	$(BIN)/viewgain evaluate table1 --fresh 20 --workers 2 --out tables $(ARGS)
+
+table-coverage: $(VENV)/dev.stamp ## The same over ten views: coverage beside random, farthest and greedy oracle, tables/coverage.md
+	$(BIN)/viewgain evaluate coverage --fresh 10 --workers 2 --out tables $(ARGS)
+
 table2: $(VENV)/dev.stamp ## Build the paper's boxes, train briefly, print its Table 2 (hours; TABLE2_MINUTES of training per network)
 	$(BIN)/viewgain dataset build boxes_paper --out data/boxes --workers 2 --resume --errors lines_published
 	test -e runs/volume_paper_short/run.json || $(BIN)/viewgain train volume_paper_short --data data/boxes --out runs/volume_paper_short --minutes $(TABLE2_MINUTES)
@@ -67,7 +73,7 @@ volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 
 clean: ## Remove .venv and everything that was generated
-	rm -rf $(VENV) build dist demo-report .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist demo-report tables .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # A stamp is written last, so what died halfway is made again; a change of the two files below makes .venv anew from nothing.

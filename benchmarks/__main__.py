@@ -20,6 +20,7 @@ from benchmarks import (
     published_noise,
     real,
     real_tof,
+    rounding,
     simulation,
     stacks,
     surrogate,
@@ -46,6 +47,7 @@ BENCHMARKS = {
     "data-labels": data_labels.run,
     "data-statistics": data_statistics.run,
     "network": network.run,
+    "rounding": rounding.run,
     "surrogate": surrogate.run,
 }
 
@@ -73,7 +75,8 @@ def main() -> None:
     parser.add_argument(
         "--pictures", type=Path, help="volume, calibration, published-noise, real-tof: also draw, into this folder"
     )
-    parser.add_argument("--data", nargs="*", type=Path, help="data-statistics: folders of data sets")
+    parser.add_argument("--data", nargs="*", type=Path, help="folders of data sets: data-statistics, rounding")
+    parser.add_argument("--runs", nargs="*", type=Path, help="rounding: folders of training runs")
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)
     if unknown:

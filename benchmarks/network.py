@@ -23,7 +23,7 @@ from viewgain.network import PcNbv, ScoreNetwork, build, export_onnx, parameters
 from viewgain.training import TrainingRecipe, training_recipe
 
 Work: TypeAlias = Callable[[], object]
-RECIPES = ("pc_nbv", "pc_nbv_noview", "compact", "compact_fast")
+RECIPES = ("pc_nbv", "pc_nbv_noview", "compact")
 TEXTBOOK = ", textbook edges"
 BATCH = 4
 REPEATS = 9

@@ -68,6 +68,10 @@ def test_the_shares_of_networks_are_those_of_torch_by_hand(
     assert [table["split"] for table in both] == ["same_category", "other_category"]
     seen, unseen = (set(data.part("other_category", part).tolist()) for part in ("train", "test"))
     wanted_rows = [seen & set(data.part("same_category", "test").tolist()), unseen]
+    first, second = ({row["name"]: row["shares"]["mean"] for row in table["rows"]} for table in both)
+    assert both[0]["kept"] == []
+    for each in both[1]["kept"]:
+        assert each["shares"]["mean"] == pytest.approx(np.divide(second[each["name"]], first[each["name"]]))
     for table, rows in zip(both, wanted_rows, strict=True):
         assert (table["rig"], table["frame"], table["views"], table["samples"]) == ("pcnbv16", "object", 16, len(rows))
         by_name = {row["name"]: row for row in table["rows"]}
@@ -82,13 +86,15 @@ def test_the_shares_of_networks_are_those_of_torch_by_hand(
 
 
 def test_the_constant_answer_is_chosen_on_training_rows_alone(data: Dataset, capsys: pytest.CaptureFixture[str]) -> None:
-    (table,) = tables(capsys, "--data", data.folder, "--split", "other_category")
+    (table,) = tables(capsys, "--data", data.folder, "--split", "other_category", "--floors-only")
     learned = np.intersect1d(data.part("same_category", "train"), data.part("other_category", "train"))
     best = [int(np.argmax(data[row].targets["gain_published"])) for row in learned.tolist()]
-    assert table["learned_samples"] == len(learned) > 0
-    assert best.count(table["offset"]) == max(best.count(view) for view in range(16))
+    assert table["constant_samples"] == len(learned) > 0
+    (offset,) = table["offsets"]
+    assert table["constant_chosen"] == "training"
+    assert best.count(offset) == max(best.count(view) for view in range(16))
     gains = [data[row].targets["gain_published"] for row in data.part("other_category", "test").tolist()]
-    exact = np.mean([each[table["offset"]] == each.max() for each in gains])
+    exact = np.mean([each[offset] == each.max() for each in gains])
     assert {row["name"]: row for row in table["rows"]}["constant answer"]["shares"]["mean"][0] == pytest.approx(exact)
 
 
@@ -98,7 +104,7 @@ def test_the_command_prints_a_table_and_writes_it(data: Dataset, models: dict[st
     done = subprocess.run([*command, "--out", tmp_path / "a"], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout == (tmp_path / "a" / "table1.md").read_text()
-    assert done.stdout.count("| untold |") == 2
+    assert done.stdout.count("| untold |") == 4  # its row and the gap that it closes, in two tables
     assert "object frame" in done.stdout
     assert "rig pcnbv16, 16 views" in done.stdout
     lines = (tmp_path / "a" / "table1.json").read_text().splitlines()
@@ -125,7 +131,16 @@ def test_wrong_input_is_one_line_and_exit_code_2(
         (("--data", data.folder, "--models", tmp_path / "none.onnx"), "no such file"),
         (("--data", data.folder, "--models", tmp_path / "broken.onnx"), "cannot be read as a network"),
         (("--data", data.folder, "--models", models["untold"][0], tmp_path / "untold.onnx"), "different names"),
-        (("--data", data.folder, "--target", "gain"), "gain_published, gain_union"),
+        (("--data", data.folder, "--target", "gain", "--floors-only"), "gain_published, gain_union"),
+        ((), "got no objects, wanted one of --data"),
+        (("--data", data.folder, "--fresh", "2"), "got --data and --fresh"),
+        (("--fresh", "9", "--models", tmp_path / "ring.onnx"), "rig ring16, not of pcnbv16"),
+        (("--fresh", "9", "--models", tmp_path / "camera.onnx"), "camera frame"),
+        (("--fresh", "0"), "wanted at least 1"),
+        (("--fresh", "1", "--seed", "-1"), "wanted 0 or more"),
+        (("--fresh", "1", "--limit", "1"), "--limit with --fresh"),
+        (("--meshes", tmp_path / "none"), "none"),
+        (("--data", data.folder, "--models", models["untold"][0], "--floors-only"), "one of them"),
     ]:
         assert main(["evaluate", "table1", *map(str, arguments)]) == 2
         said = capsys.readouterr().err.strip()

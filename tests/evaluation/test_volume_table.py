@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from viewgain.errors import ConfigError, DataError
-from viewgain.evaluation import Choice, VolumeRun, VolumeSettings, check_policies, volume_case, volume_markdown, volume_table
+from viewgain.evaluation import (
+    Choice,
+    VolumeRun,
+    VolumeSettings,
+    check_volume_policies,
+    volume_case,
+    volume_markdown,
+    volume_table,
+)
 
 SETTINGS = VolumeSettings(captures=6)
 POLICIES = ("wise", "random", "constant", "oracle")
@@ -97,8 +105,8 @@ def test_settings_that_make_no_sense_are_refused(change: dict[str, object], word
 
 
 def test_unknown_policies_are_refused() -> None:
-    check_policies(("model", "network:some.onnx"))
+    check_volume_policies(("model", "network:some.onnx"))
     with pytest.raises(ConfigError, match="'best' is not known"):
-        check_policies(("best",))
+        check_volume_policies(("best",))
     with pytest.raises(ConfigError, match="each once"):
-        check_policies(("model", "model"))
+        check_volume_policies(("model", "model"))

@@ -56,7 +56,7 @@ def test_the_file_computes_what_torch_computes_for_any_batch_and_number(kind: Ki
 
 @pytest.mark.parametrize("uncertainty", ["gaussian", "evidential"])
 def test_standard_deviations_are_those_of_torch_within_their_bounds_and_scaled(uncertainty: str, tmp_path: Path) -> None:
-    settings = small_settings("compact", uncertainty=uncertainty)
+    settings = small_settings("pc_nbv_noview", uncertainty=uncertainty)
     network = build(settings, generator=torch.Generator().manual_seed(2))
     with torch.no_grad():  # a bias far out: variances of some views leave the bounds
         list(network.head)[-1].bias[settings.views :: 2] = -40.0

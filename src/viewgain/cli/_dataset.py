@@ -2,17 +2,14 @@
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
 from viewgain.cli._commands import Dataset, DatasetBuild, DatasetExport, DatasetInfo, DatasetRecipes, DatasetVerify
 from viewgain.cli._exit import DAMAGED, NOT_WRITTEN, print_error
+from viewgain.cli._progress import bar
 from viewgain.cli._text import to_stdout
 from viewgain.datasets import (
     RECIPES,
@@ -28,7 +25,6 @@ from viewgain.datasets import (
     recipe,
     verify,
 )
-from viewgain.datasets import Progress as Done
 from viewgain.errors import ConfigError, StorageError
 
 _MOST_REASONS = 5
@@ -62,10 +58,10 @@ def _build(command: DatasetBuild) -> int:
     plan = plan_of(chosen, meshes=_absolute(command.meshes), recordings=_absolute(command.recordings))
     check_estimators(plan, command.errors)
     runner = engine(command.engine, workers=command.workers, address=command.ray_address)
-    with _bar("units") as watch:
+    with bar("units") as watch:
         manifest = build(plan, command.out, engine=runner, resume=command.resume, watch=watch)
     if command.errors:
-        with _bar("units, volume errors") as watch:
+        with bar("units, volume errors") as watch:
             add_volume_errors(plan, command.out, command.errors, engine=runner, watch=watch)
     print(f"{command.out}: {_in_words(manifest)}")
     _say_skipped(manifest, command.out)
@@ -156,21 +152,3 @@ def _say_skipped(manifest: Manifest, folder: Path) -> None:
     print(f"{len(manifest.skipped)} skipped, each with its reason in {folder / 'skipped.jsonl'}:")
     for reason, count in Counter(each.reason for each in manifest.skipped).most_common(_MOST_REASONS):
         print(f"  {count} x {reason}")
-
-
-@contextmanager
-def _bar(what: str) -> Iterator[Callable[[Done], None]]:
-    """Give a watcher that draws a bar on stderr: done, rate, time left, failures."""
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
-        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(), TextColumn("skipped {task.fields[skipped]}"),
-    )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(what, total=None, rate="", skipped=0)
-
-        def watch(done: Done) -> None:
-            elapsed = bar.tasks[0].elapsed or 0.0
-            rate = f"{done.samples / elapsed:,.1f} samples/s" if elapsed > 0 and done.samples else ""
-            bar.update(task, total=done.total, completed=done.units, rate=rate, skipped=done.skipped)
-
-        yield watch

@@ -1,66 +1,134 @@
-"""``viewgain evaluate``: Table 1 of networks, beside floors and with intervals; the others by modules of their own."""
+"""``viewgain evaluate``: networks beside floors, with intervals."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1, Judging
+from viewgain.cli._evaluate_coverage import covered
+from viewgain.cli._evaluate_table2 import run_evaluate_table2
+from viewgain.cli._evaluate_volume import run_evaluate_volume
 from viewgain.cli._exit import NOT_WRITTEN, print_error
-from viewgain.cli._training_commands import Evaluate, EvaluateTable1
+from viewgain.cli._judging import check_options, judged_data, named_scorers, note
 from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
-from viewgain.datasets import Dataset, make_folder, write_whole
-from viewgain.errors import ConfigError, DataError, StorageError
-from viewgain.evaluation import RESERVED, SPLITS, judged_rows, table1, to_markdown
+from viewgain.datasets import Dataset, Frame, make_folder, rig_of, write_whole
+from viewgain.errors import ConfigError, MissingExtraError, StorageError
+from viewgain.evaluation import (
+    SEEN,
+    Judgement,
+    Part,
+    Table1,
+    coverage_to_markdown,
+    fresh_parts,
+    mesh_parts,
+    of_frame,
+    shipped_scorers,
+    table1,
+    to_markdown,
+    trained_parts,
+)
+from viewgain.gain import PAPER
 from viewgain.inference import Scorer
+from viewgain.report import write_coverage_picture, write_table1_picture
 
 
 def run_evaluate(command: Evaluate) -> int:
-    """Run one of the evaluations."""
-    if isinstance(command.what, EvaluateVolume):
-        from viewgain.cli._evaluate_volume import run_evaluate_volume
-
-        return run_evaluate_volume(command.what)
-    if isinstance(command.what, EvaluateTable2):
-        from viewgain.cli._evaluate_table2 import run_evaluate_table2
-
-        return run_evaluate_table2(command.what)
-    return _run_table1(command.what)
-
-
-def _run_table1(command: EvaluateTable1) -> int:
     """Print the tables; exit code 4 if the folder cannot be written."""
-    data = Dataset(command.data)
-    scorers = _scorers(command.models)
-    splits = (command.split,) if command.split is not None else _judgeable(data)
-    tables = [table1(data, scorers, split=split, target=command.target, seed=command.seed) for split in splits]
-    as_json = "".join(json.dumps(table.to_dict(), allow_nan=False) + "\n" for table in tables)
-    as_markdown = "\n".join(map(to_markdown, tables))
-    print(as_json if command.json else as_markdown, end="")
     try:
-        if command.out is not None:
-            make_folder(command.out)
-            write_whole(command.out / "table1.json", as_json.encode())
-            write_whole(command.out / "table1.md", as_markdown.encode())
+        if isinstance(command.action, EvaluateVolume):
+            return run_evaluate_volume(command.action)
+        if isinstance(command.action, EvaluateTable2):
+            return run_evaluate_table2(command.action)
+        if isinstance(command.action, EvaluateTable1):
+            return _table1(command.action)
+        return _coverage(command.action)
     except StorageError as error:
         print_error(error)
         return NOT_WRITTEN
+
+
+def _table1(command: EvaluateTable1) -> int:
+    options = command.judging
+    check_options(options)
+    named = named_scorers(options.models)
+    if options.data is None:
+        _refuse(named, command.frame or "object", PAPER.rig)  # before objects are made, which takes its time
+    with judged_data(options) as data:
+        if options.data is not None:
+            parts = trained_parts(data, command.split)
+        else:
+            parts = mesh_parts(data) if options.meshes is not None else fresh_parts(data, command.split)
+        framed = _by_frame(command, data, named)
+        tables = [table for frame, each in framed for table in _judged(command, data, parts, frame, each)]
+    _finish(
+        options,
+        "table1",
+        as_json="".join(json.dumps(table.to_dict(), allow_nan=False) + "\n" for table in tables),
+        as_markdown="\n".join(map(to_markdown, tables)),
+        draw=lambda path: write_table1_picture(tables, path),
+    )
     return 0
 
 
-def _scorers(models: Sequence[str]) -> dict[str, Scorer]:
-    """Return the networks by the names of their files."""
-    names = [Path(model).stem if model.endswith(".onnx") else model for model in models]
-    if len({*names, *RESERVED}) < len(names) + len(RESERVED):
-        raise ConfigError(
-            f"evaluate: got the networks {', '.join(names)}, wanted different names, and none of a floor; rename a file"
-        )
-    return {name: Scorer.load(model, threads=1) for name, model in zip(names, models, strict=True)}
+def _judged(
+    command: EvaluateTable1, data: Dataset, parts: Sequence[Part], frame: Frame, scorers: dict[str, Scorer]
+) -> Iterator[Table1]:
+    """Yield the table of each part; unseen categories are held against the seen ones."""
+    seen: Judgement | None = None
+    for part in parts:
+        found = table1(data, scorers, part, target=command.target, frame=frame, seed=command.judging.seed, seen=seen)
+        if part.name == SEEN:
+            seen = found
+        yield found.table
 
 
-def _judgeable(data: Dataset) -> list[str]:
-    """Return the divisions that have something to judge."""
-    there = [split for split in SPLITS if split in data.manifest.tables.splits and len(judged_rows(data, split))]
-    if not there:
-        raise DataError(
-            f"{data.folder}: got no sample in a test part of {' or '.join(SPLITS)}; build coverage data with more objects"
-        )
-    return there
+def _refuse(scorers: dict[str, Scorer], frame: Frame, rig: str) -> None:
+    """Raise ConfigError if a network is of another frame or rig."""
+    for scorer in scorers.values():
+        reason = scorer.refusal(frame=frame, rig=rig)
+        if reason:
+            raise ConfigError(f"evaluate: {reason}")
+
+
+def _coverage(command: EvaluateCoverage) -> int:
+    tables = covered(command)
+    _finish(
+        command.judging,
+        "coverage",
+        as_json="".join(json.dumps(table.to_dict(), allow_nan=False) + "\n" for table in tables),
+        as_markdown="\n".join(map(coverage_to_markdown, tables)),
+        draw=lambda path: write_coverage_picture(tables, path),
+    )
+    return 0
+
+
+def _finish(options: Judging, name: str, *, as_json: str, as_markdown: str, draw: Callable[[Path], object]) -> None:
+    """Print an answer, and write it where a folder is named; without the extra there is no picture.
+
+    Raises:
+        StorageError: If it cannot be written.
+    """
+    print(as_json if options.json else as_markdown, end="")
+    if options.out is None:
+        return
+    make_folder(options.out)
+    write_whole(options.out / f"{name}.json", as_json.encode())
+    write_whole(options.out / f"{name}.md", as_markdown.encode())
+    try:
+        draw(options.out / f"{name}.png")
+    except MissingExtraError as error:
+        note(f"no picture: {error}")
+
+
+def _by_frame(command: EvaluateTable1, data: Dataset, named: dict[str, Scorer]) -> Sequence[tuple[Frame, dict[str, Scorer]]]:
+    """Return the frames to judge in, each with its networks."""
+    options, own = command.judging, command.frame or data.manifest.frame
+    if options.models or options.floors_only:
+        return [(own, named)]
+    shipped = shipped_scorers(rig_of(data.manifest))
+    frames: tuple[Frame, ...] = ("object", "camera")
+    chosen = [own] if command.frame else sorted(frames, key=lambda frame: frame != own)
+    found = [(frame, of_frame(shipped, frame)) for frame in chosen]
+    if not any(scorers for _, scorers in found):
+        note(f"no shipped network fits rig {rig_of(data.manifest)} in the {' or '.join(chosen)} frame: floors alone")
+    return [(frame, scorers) for frame, scorers in found if scorers or frame == own]

@@ -11,14 +11,14 @@ from viewgain.cli._exit import NOT_WRITTEN, print_error
 from viewgain.cli._volume_commands import EvaluateVolume
 from viewgain.datasets import write_whole
 from viewgain.errors import ConfigError, StorageError
-from viewgain.evaluation import VolumeSettings, check_policies, run_boxes, volume_markdown, volume_table
+from viewgain.evaluation import VolumeSettings, check_volume_policies, run_boxes, volume_markdown, volume_table
 
 
 def run_evaluate_volume(command: EvaluateVolume) -> int:
     """Print the table; exit code 4 if the folder cannot be written."""
     if command.boxes < 2:
         raise ConfigError(f"evaluate volume: got {command.boxes} boxes, wanted 2 or more")
-    check_policies(command.policies)
+    check_volume_policies(command.policies)
     settings = VolumeSettings(
         seed=command.seed,
         rig=command.rig,

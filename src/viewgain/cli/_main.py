@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from viewgain.cli._commands import Calibrate, Dataset, Demo, Measure, Next, Simulate
+from viewgain.cli._evaluate_commands import Evaluate
 from viewgain.cli._exit import BAD_INPUT, print_error
-from viewgain.cli._training_commands import Evaluate, Export, Train
+from viewgain.cli._training_commands import Export, Train
 from viewgain.errors import MissingExtraError, ViewgainError
 
 _RUNNERS = {
@@ -33,7 +34,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain dataset build RECIPE         training data, the same bits on one core or a cluster
   viewgain train RECIPE                 a network from training data, and go on with it to the bit
   viewgain export RUN --out FILE.onnx   its best weights, with a model card
-  viewgain evaluate table1 --data DIR   how often it chooses the best view, beside floors
+  viewgain evaluate table1 --fresh 10   how often networks choose the best view, beside floors
   viewgain evaluate table2 --data DIR   how often it names a box's best position
   viewgain evaluate volume              planners for a box's volume, on fresh boxes
   viewgain demo                         the whole loop on a simulated scene, with a report

@@ -1,12 +1,10 @@
-"""The commands about networks as dataclasses: the fields are the options, their docstrings the help."""
+"""The commands that make networks as dataclasses: the fields are the options, their docstrings the help."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
-
-from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,35 +47,3 @@ class Export:
     """Licence of the training data, with --source."""
     metrics: Path | None = None
     """JSON list of further figures for the card: name, split, value, interval, floors, unit."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class EvaluateTable1:
-    """Say how often networks choose the best view, beside floors, with intervals: the paper's Table 1."""
-
-    data: Path
-    """Folder of a coverage data set (viewgain dataset build)."""
-    models: tuple[str, ...] = ()
-    """Networks: .onnx files or shipped names; none for the floors alone."""
-    split: Literal["same_category", "other_category"] | None = None
-    """New objects of seen categories, or unseen categories; default a table of each that there is."""
-    target: str = "gain_published"
-    """Which scores of the data set say what a view is worth."""
-    seed: int = 0
-    """Of the intervals."""
-    json: bool = False
-    """One JSON object per table, one line each, and nothing else on stdout."""
-    out: Path | None = None
-    """Folder to write table1.md and table1.json into."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Evaluate:
-    """Say how well views are chosen, beside floors, with intervals."""
-
-    what: tyro.conf.OmitSubcommandPrefixes[
-        Annotated[EvaluateTable1, tyro.conf.subcommand("table1")]
-        | Annotated[EvaluateTable2, tyro.conf.subcommand("table2")]
-        | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
-    ]
-    """What to evaluate."""

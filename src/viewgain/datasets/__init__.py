@@ -13,13 +13,16 @@ from viewgain.datasets._expected import volume_fused as volume_fused
 from viewgain.datasets._export import export_hf as export_hf
 from viewgain.datasets._files import make_folder as make_folder
 from viewgain.datasets._files import write_whole as write_whole
+from viewgain.datasets._limited import limited as limited
 from viewgain.datasets._manifest import Manifest as Manifest
 from viewgain.datasets._manifest import read_manifest as read_manifest
+from viewgain.datasets._mesh_units import mesh_of as mesh_of
 from viewgain.datasets._named_scores import with_target as with_target
 from viewgain.datasets._plan import Plan as Plan
 from viewgain.datasets._plan import plan_of as plan_of
 from viewgain.datasets._recipe_file import RECIPES as RECIPES
 from viewgain.datasets._recipe_file import recipe as recipe
+from viewgain.datasets._recipe_file import recipe_from_table as recipe_from_table
 from viewgain.datasets._recipe_file import recipe_table as recipe_table
 from viewgain.datasets._recipe_file import record as record
 from viewgain.datasets._rig_name import rig_of as rig_of
@@ -36,6 +39,8 @@ from viewgain.datasets._settings import RecordedSettings as RecordedSettings
 from viewgain.datasets._torch import ShuffledOrder as ShuffledOrder
 from viewgain.datasets._torch import TorchDataset as TorchDataset
 from viewgain.datasets._torch import collated as collated
+from viewgain.datasets._unit import Skipped as Skipped
+from viewgain.datasets._unit import Unit as Unit
 from viewgain.datasets._verify import estimators_of as estimators_of
 from viewgain.datasets._verify import verify as verify
 from viewgain.datasets._volume_errors import add_volume_errors as add_volume_errors

@@ -20,6 +20,7 @@ RECIPES = (
     ),
     "coverage_learn_tiny",
     "coverage_table1",
+    "coverage_pcnbv_learn",
     "volume_irregular",
     "volume_irregular_tiny",
     "volume_random",

@@ -8,5 +8,6 @@ from viewgain.episodes._episode import Step as Step
 from viewgain.episodes._episode import World as World
 from viewgain.episodes._episode import run_episode as run_episode
 from viewgain.episodes._episode import volume_error as volume_error
+from viewgain.episodes._network import NetworkExplorer as NetworkExplorer
 from viewgain.episodes._oracles import CoverageOracle as CoverageOracle
 from viewgain.episodes._oracles import VolumeOracle as VolumeOracle

@@ -42,7 +42,7 @@ def shares_by_object(values: ArrayLike, objects: ArrayLike, *, rng: np.random.Ge
     if len(table) == 0:
         raise DataError("evaluation: got no samples, wanted some")
     sums, counts = _per_object(table, np.asarray(objects))
-    weights = rng.multinomial(len(counts), np.full(len(counts), 1 / len(counts)), size=draws).astype(float)
+    weights = _weights(len(counts), rng, draws)
     drawn = (weights @ sums) / (weights @ counts)[:, None]
     low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
     return Shares(tuple(table.mean(axis=0).tolist()), tuple(low.tolist()), tuple(high.tolist()))
@@ -57,6 +57,69 @@ def difference_by_object(
         DataError: If there are no samples.
     """
     return shares_by_object(np.asarray(first, dtype=float) - np.asarray(second, dtype=float), objects, rng=rng, draws=draws)
+
+
+def ratio_by_object(
+    part: ArrayLike, whole: ArrayLike, objects: ArrayLike, *, rng: np.random.Generator, draws: int = DRAWS
+) -> Shares | None:
+    """Return sum of ``part`` / sum of ``whole`` on the same samples (N, K) with its interval, both drawn together.
+
+    Returns:
+        None if the whole of a column is 0. Draws in which it happens to be 0 are passed over.
+
+    Raises:
+        DataError: If there are no samples.
+    """
+    parts, wholes = np.asarray(part, dtype=float), np.asarray(whole, dtype=float)
+    if len(parts) == 0:
+        raise DataError("evaluation: got no samples, wanted some")
+    if not np.all(wholes.sum(axis=0)):
+        return None
+    upper, counts = _per_object(parts, np.asarray(objects))
+    lower, _ = _per_object(wholes, np.asarray(objects))
+    weights = _weights(len(counts), rng, draws)
+    below = weights @ lower
+    drawn = np.divide(weights @ upper, below, out=np.full_like(below, np.nan), where=below != 0)
+    low, high = np.nanquantile(drawn, [0.025, 0.975], axis=0)
+    return Shares(tuple((parts.sum(axis=0) / wholes.sum(axis=0)).tolist()), tuple(low.tolist()), tuple(high.tolist()))
+
+
+def quotient_of_groups(
+    first: tuple[ArrayLike, ArrayLike], second: tuple[ArrayLike, ArrayLike], *, rng: np.random.Generator, draws: int = DRAWS
+) -> Shares | None:
+    """Return mean of the first / mean of the second group with its interval; the objects of each are drawn by themselves.
+
+    Args:
+        first: (N, K) values and (N,) numbers of their objects.
+        second: (M, K) values and (M,) numbers of theirs.
+        rng: Draws.
+        draws: How often.
+
+    Returns:
+        None if the second mean of a column is 0. Draws in which it happens to be 0 are passed over.
+
+    Raises:
+        DataError: If a group has no samples.
+    """
+    means, drawn = [], []
+    for values, objects in (first, second):
+        table = np.asarray(values, dtype=float)
+        if len(table) == 0:
+            raise DataError("evaluation: got no samples, wanted some")
+        sums, counts = _per_object(table, np.asarray(objects))
+        weights = _weights(len(counts), rng, draws)
+        means.append(table.mean(axis=0))
+        drawn.append((weights @ sums) / (weights @ counts)[:, None])
+    if not np.all(means[1]):
+        return None
+    quotients = np.divide(drawn[0], drawn[1], out=np.full_like(drawn[0], np.nan), where=drawn[1] != 0)
+    low, high = np.nanquantile(quotients, [0.025, 0.975], axis=0)
+    return Shares(tuple((means[0] / means[1]).tolist()), tuple(low.tolist()), tuple(high.tolist()))
+
+
+def _weights(objects: int, rng: np.random.Generator, draws: int) -> Array:
+    """Return (draws, O) how often each object is drawn."""
+    return rng.multinomial(objects, np.full(objects, 1 / objects), size=draws).astype(float)
 
 
 def _per_object(values: Array, objects: NDArray[np.generic]) -> tuple[Array, Array]:

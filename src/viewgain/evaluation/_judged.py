@@ -1,4 +1,4 @@
-"""Which samples of a data set a table is about, and what is read of them."""
+"""What is read of the samples that are judged."""
 
 from dataclasses import dataclass
 
@@ -8,12 +8,6 @@ from numpy.typing import NDArray
 from viewgain.arrays import Array
 from viewgain.datasets import Dataset
 from viewgain.errors import ConfigError
-
-SPLITS = {
-    "same_category": "new objects of seen categories",
-    "other_category": "objects of unseen categories",
-}
-"""What is judged under each division's name, in words."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,28 +22,6 @@ class Judged:
     """(N, V) share of the surface that each view adds."""
     free: NDArray[np.bool_]
     """(N, V) views that were not visited yet."""
-
-
-def judged_rows(data: Dataset, split: str) -> NDArray[np.intp]:
-    """Return the samples that the shipped training recipes leave out, first steps only.
-
-    ``same_category``: its part ``test``, of categories that train. ``other_category``: all of the categories that do not.
-
-    Raises:
-        ConfigError: If the data set has no such division.
-    """
-    rows = data.part(split, "test")
-    if split == "same_category" and "other_category" in data.manifest.tables.splits:
-        rows = np.intersect1d(rows, data.part("other_category", "train"))
-    return _first_steps(data, rows)
-
-
-def learned_rows(data: Dataset) -> NDArray[np.intp]:
-    """Return the samples that are in part ``train`` of every division, first steps only."""
-    rows = np.arange(len(data))
-    for split in data.manifest.tables.splits:
-        rows = np.intersect1d(rows, data.part(split, "train"))
-    return _first_steps(data, rows)
 
 
 def read_judged(data: Dataset, rows: NDArray[np.intp], target: str) -> Judged:
@@ -67,8 +39,3 @@ def read_judged(data: Dataset, rows: NDArray[np.intp], target: str) -> Judged:
         sample = data[index]
         gains[place], free[place] = sample.targets[target], ~np.asarray(sample.state, dtype=bool)
     return Judged(rows, data.column("object")[rows].astype(np.int64), gains, free)
-
-
-def _first_steps(data: Dataset, rows: NDArray[np.intp]) -> NDArray[np.intp]:
-    first: NDArray[np.intp] = rows[data.column("step")[rows] == 0]
-    return first

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Array, Vector
-from viewgain.datasets import Dataset, Sample, rig_of
+from viewgain.datasets import Dataset, Frame, Sample, rig_of
 from viewgain.errors import ConfigError
 from viewgain.inference import Scorer
 
@@ -22,24 +22,26 @@ class Scored:
     """(N,) CPU time from each cloud to its scores, thinning included."""
 
 
-def scored(data: Dataset, rows: NDArray[np.intp], scorer: Scorer) -> Scored:
+def scored(data: Dataset, rows: NDArray[np.intp], scorer: Scorer, *, frame: Frame | None = None) -> Scored:
     """Return a network's scores of some samples, one cloud at a time; clouds are thinned by the sample's index as the seed.
 
     Args:
         data: The data set; its clouds are normalised already.
         rows: (N,) indices.
         scorer: Opened with one thread, so that CPU time is the time that it takes.
+        frame: Frame that the points are brought into first; None for the data's own.
 
     Raises:
-        ConfigError: If the data is of another rig or frame than the network.
+        ConfigError: If the network is of another rig or frame, or points cannot be brought there: poses are not known.
         ScanError: If a sample has no points.
     """
-    reason = scorer.refusal(frame=data.manifest.frame, rig=rig_of(data.manifest))
+    frame = frame or data.manifest.frame
+    reason = scorer.refusal(frame=frame, rig=rig_of(data.manifest))
     if reason:
-        raise ConfigError(f"{data.folder}: {reason}")
+        raise ConfigError(f"{data.manifest.recipe['name']}: {reason}")
     scores, spent = np.zeros((len(rows), scorer.card.views)), np.zeros(len(rows))
     for place, index in enumerate(rows.tolist()):
-        sample = data[index]
+        sample = data[index].in_frame(frame)
         start = process_time()
         scores[place] = _scores_of(sample, scorer, index)
         spent[place] = 1e3 * (process_time() - start)

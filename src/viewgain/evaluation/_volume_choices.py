@@ -57,7 +57,7 @@ DEFAULT_POLICIES = ("model", "covariance", "farthest", "constant", "random", "or
 """What is compared where nothing is named."""
 
 
-def check_policies(names: tuple[str, ...]) -> None:
+def check_volume_policies(names: tuple[str, ...]) -> None:
     """Refuse names of policies that are not known, or given twice.
 
     Raises:

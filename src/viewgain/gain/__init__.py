@@ -3,6 +3,11 @@
 from viewgain.gain._bits import packed as packed
 from viewgain.gain._bits import size as size
 from viewgain.gain._bits import unpacked as unpacked
+from viewgain.gain._choices import POSITION_LIMITS as POSITION_LIMITS
+from viewgain.gain._choices import POSITION_SLACK as POSITION_SLACK
+from viewgain.gain._choices import choices as choices
+from viewgain.gain._choices import hits as hits
+from viewgain.gain._choices import shortfall as shortfall
 from viewgain.gain._clouds import model_clouds as model_clouds
 from viewgain.gain._clouds import normalised as normalised
 from viewgain.gain._clouds import surface_samples as surface_samples
@@ -22,6 +27,8 @@ from viewgain.gain._estimators import ESTIMATORS as ESTIMATORS
 from viewgain.gain._estimators import VolumeEstimator as VolumeEstimator
 from viewgain.gain._estimators import measured_volume as measured_volume
 from viewgain.gain._estimators import volume_estimator as volume_estimator
+from viewgain.gain._floors import constant_offset as constant_offset
+from viewgain.gain._floors import uniform_hits as uniform_hits
 from viewgain.gain._greedy import UnionGreedy as UnionGreedy
 from viewgain.gain._greedy import greedy_union as greedy_union
 from viewgain.gain._histogram import ErrorHistogram as ErrorHistogram

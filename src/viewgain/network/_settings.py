@@ -34,7 +34,7 @@ class NetworkSettings:
     """Widths of the layers that the cloud's one feature passes (the paper-size networks); a last one gives the V scores."""
     width: int = 32
     """Channels of the first layers of the compact networks; all others are multiples of it."""
-    centres: tuple[int, int] = (128, 32)
+    centres: tuple[int, int] = (64, 16)
     """Points that a cloud is taken together to, first and then (the compact networks)."""
     uncertainty: Uncertainty = "none"
     """``gaussian``: a second number per view, the logarithm of the score's variance. ``evidential``: three more, a distribution

@@ -8,6 +8,7 @@ from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.episodes import Episode
 from viewgain.errors import ConfigError
+from viewgain.evaluation import CoverageTable, Table1
 from viewgain.geometry import inverse
 from viewgain.measure import Measurement
 from viewgain.plan import NextView
@@ -101,6 +102,54 @@ def write_training_picture(lines: Sequence[Mapping[str, Any]], path: Path) -> Pa
     from viewgain.report._training_picture import training_figure
 
     write_whole(path, to_png(training_figure(lines)))
+    return path
+
+
+def write_coverage_picture(tables: Sequence[CoverageTable], path: Path) -> Path:
+    """Save the picture of some coverage tables: coverage by union view after view, a curve per policy.
+
+    Args:
+        tables: At least one; one panel each.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If there is no table, or ``path`` cannot be written.
+    """
+    if not tables:
+        raise ConfigError("picture: got no table, wanted at least one")
+    require_extra()
+    from viewgain.report._coverage_picture import coverage_figure
+    from viewgain.report._style import to_png
+
+    write_whole(path, to_png(coverage_figure(tables)))
+    return path
+
+
+def write_table1_picture(tables: Sequence[Table1], path: Path) -> Path:
+    """Save the picture of some tables: shares of networks as bars with their 95 % intervals, floors as dashed lines.
+
+    Args:
+        tables: At least one; one panel each.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If there is no table, or ``path`` cannot be written.
+    """
+    if not tables:
+        raise ConfigError("picture: got no table, wanted at least one")
+    require_extra()
+    from viewgain.report._style import to_png
+    from viewgain.report._table1_picture import table1_figure
+
+    write_whole(path, to_png(table1_figure(tables)))
     return path
 
 

@@ -41,6 +41,5 @@ from viewgain.training._teacher import open_teacher as open_teacher
 from viewgain.training._train import REASONS as REASONS
 from viewgain.training._train import Outcome as Outcome
 from viewgain.training._train import Progress as Progress
-from viewgain.training._validation import THRESHOLDS as THRESHOLDS
 from viewgain.training._validation import Validation as Validation
 from viewgain.training._validation import validate as validate

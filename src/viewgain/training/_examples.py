@@ -69,8 +69,8 @@ def load_examples(data: Dataset, settings: DataSettings, *, views: int, seed: in
         with_poses: Whether the network is told the candidates' poses.
 
     Raises:
-        DataError: If the data is of another rig, frame or target, has no sample that trains, or a sample without points.
-        ConfigError: If there is no such division.
+        DataError: If the data is of another rig or target, has no sample that trains, or a sample without points.
+        ConfigError: If there is no such division, or points are wanted in another frame and the object's pose is not known.
     """
     check_data(data, settings, views=None if with_poses else views)
     data = with_target(data, settings.target)
@@ -87,14 +87,12 @@ def check_data(data: Dataset, settings: DataSettings, *, views: int | None) -> N
     """Make sure that a data set is what a recipe is for.
 
     Raises:
-        DataError: If it is of another rig, frame or target.
+        DataError: If it is of another rig or target.
     """
     manifest = data.manifest
     rig = rig_of(manifest)
     if settings.rig and rig != settings.rig:
         raise DataError(f"{data.folder}: got data of rig {rig}, wanted {settings.rig}; name other data or another recipe")
-    if manifest.frame != settings.frame:
-        raise DataError(f"{data.folder}: got points in frame {manifest.frame}, wanted {settings.frame}; name other data")
     count = len(data[0].candidates) if len(data) else 0
     if views is not None and count != views:
         raise DataError(f"{data.folder}: got data with {count} views, wanted {views}, as the network has; name other data")
@@ -109,7 +107,7 @@ def _stacked(
     states, targets = np.zeros((count, views), dtype=bool), np.zeros((count, views), dtype=np.float32)
     candidates, valid = np.tile(np.eye(4, dtype=np.float32), (count, views, 1, 1)), np.zeros((count, views), dtype=bool)
     for row, index in enumerate(chosen.tolist()):
-        sample = data[index]
+        sample = data[index].in_frame(settings.frame)
         _check_sample(data, index, sample, views, at_most=with_poses)
         drawn = np.random.default_rng([seed, _RESIDENT, index]).permutation(len(sample.points))[:held]
         counts[row], objects[row] = len(drawn), sample.object
@@ -120,7 +118,8 @@ def _stacked(
             candidates[row, own], valid[row, own] = sample.candidates, sample.reachable
             continue
         present[row] = sample.view
-        states[row] = np.roll(sample.state, sample.view)
+        # What a box measures from here a second scan may measure better: of whole scans the present view is not used up.
+        states[row] = np.roll(sample.state, sample.view) & (not settings.whole_scan)
         targets[row] = np.roll(sample.targets[settings.target], sample.view)
     most = int(counts.max())
     tensors = {"points": points[:, :most], "counts": counts, "views": present, "states": states, "targets": targets}

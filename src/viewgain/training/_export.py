@@ -7,10 +7,10 @@ from typing import Any
 
 from viewgain.datasets import record
 from viewgain.errors import TrainingError
+from viewgain.gain import POSITION_LIMITS
 from viewgain.inference import Metric, ModelCard, Source
 from viewgain.network import export_onnx
 from viewgain.training._load import Trained, load_trained
-from viewgain.training._validation import THRESHOLDS
 
 VOLUME_TASK = (
     "How well a box's volume would be measured from each candidate view, from one scan: minus the expected |relative error|, or"
@@ -111,6 +111,7 @@ def _training(trained: Trained) -> dict[str, str]:
     scaled = f"{recipe.network.uncertainty}, standard deviations times {ratio or 1:.3g}, as the validation objects showed"
     return {
         "recipe": recipe.name,
+        "data": f"recipe {facts['data_recipe']}, seed {facts.get('data_seed', 'not noted')}, plan {trained.record.plan[:12]}",
         **taught,
         **({} if ratio is None else {"uncertainty": scaled}),
         "target": recipe.data.target,
@@ -125,7 +126,7 @@ def _validation(trained: Trained) -> tuple[Metric, ...]:
     """Return the figures on the run's validation objects, which chose the weights and so flatter them a little."""
     figures, floors = trained.figures, trained.record.facts["floors"]
     split = f"{trained.record.facts['validation']['objects']} validation objects, which chose the weights"
-    names = {"exact": "exact position"} | {f"within_{limit}": f"within {limit} of the best view" for limit in THRESHOLDS}
+    names = {"exact": "exact position"} | {f"within_{limit}": f"within {limit} of the best view" for limit in POSITION_LIMITS[1:]}
     return tuple(
         Metric(
             name=words,

@@ -197,6 +197,7 @@ def _facts(
         "parameters": parameters_of(session.model),
         "rig": rig_of(data.manifest),
         "data_recipe": data.manifest.recipe["name"],
+        "data_seed": data.manifest.recipe["seed"],
         "floors": floors(examples, aside),
         "training": _counts(examples.objects[~aside]),
         "validation": _counts(examples.objects[aside]),

@@ -26,7 +26,7 @@ class DataSettings:
     rig: str = ""
     """Rig that the data must be of; empty for any with as many views as the network has."""
     frame: Frame = "object"
-    """Frame that the points must be in."""
+    """Frame that the points are shown in, whichever the data set has them in."""
     target: str = "gain_published"
     """Which scores of the data set are learned; also ``histogram:ESTIMATOR:OBJECTIVE`` of stored volume errors, or
     ``tally:4,3,2,2:SEED`` (``viewgain.datasets.with_target``)."""

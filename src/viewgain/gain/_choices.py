@@ -6,9 +6,9 @@ from numpy.typing import ArrayLike, NDArray
 from viewgain.arrays import Array, Vector
 from viewgain.errors import ConfigError
 
-LIMITS = (0.0, 0.05, 0.03, 0.01, 0.005)
+POSITION_LIMITS = (0.0, 0.05, 0.03, 0.01, 0.005)
 """Differences in coverage that still count as right: exact position, then the approximate positions in the paper's order."""
-SLACK = 1e-6
+POSITION_SLACK = 1e-6
 """Gains are stored in single precision: what is over a limit by so little is within it. One point of a surface is more."""
 
 
@@ -44,12 +44,12 @@ def shortfall(gains: ArrayLike, chosen: ArrayLike, free: ArrayLike | None = None
 
 
 def hits(lost: ArrayLike) -> NDArray[np.bool_]:
-    """Return (..., 5) whether a shortfall (...) is within each of :data:`LIMITS`.
+    """Return (..., 5) whether a shortfall (...) is within each of :data:`POSITION_LIMITS`.
 
     Ties: a view that is worth as much as the best one *is* the best, whichever of them the labels name first. The published
     program's log rows are counted so as well, where the exact position is a difference of 0.
     """
-    return np.asarray(lost, dtype=float)[..., None] <= np.array(LIMITS) + SLACK
+    return np.asarray(lost, dtype=float)[..., None] <= np.array(POSITION_LIMITS) + POSITION_SLACK
 
 
 def only_free(values: ArrayLike, free: ArrayLike | None) -> Array:
@@ -62,5 +62,5 @@ def only_free(values: ArrayLike, free: ArrayLike | None) -> Array:
     if free is None:
         return table
     if not np.all(np.any(free, axis=1)):
-        raise ConfigError("evaluation: got a sample whose views were all visited, wanted at least one that is left to choose")
+        raise ConfigError("choice: got a sample whose views were all visited, wanted at least one that is left to choose")
     return np.where(free, table, -np.inf)

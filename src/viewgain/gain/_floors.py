@@ -1,11 +1,11 @@
-"""What answers without any learning get."""
+"""What choices without any learning get: a uniform guess, and always the same number of views on."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from viewgain.arrays import Array
 from viewgain.errors import DataError
-from viewgain.evaluation._choices import hits, only_free
+from viewgain.gain._choices import hits, only_free
 
 
 def uniform_hits(gains: ArrayLike, free: ArrayLike | None = None) -> Array:
@@ -37,6 +37,6 @@ def constant_offset(gains: ArrayLike, free: ArrayLike | None = None) -> int:
     """
     allowed = only_free(gains, free)
     if len(allowed) == 0:
-        raise DataError("evaluation: got no training samples, wanted some to choose the constant answer on")
+        raise DataError("choice: got no training samples, wanted some to choose the constant answer on")
     best = hits(allowed.max(axis=1, keepdims=True) - allowed)[..., 0]
     return int(np.argmax(best.sum(axis=0)))

@@ -1,4 +1,4 @@
-"""The metrics: the paper's own columns from its own log, floors against counting, laws of the intervals."""
+"""What a choice is worth: the paper's own columns from its own log, floors against counting."""
 
 from pathlib import Path
 
@@ -8,16 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viewgain.errors import ConfigError, DataError
-from viewgain.evaluation import (
-    LIMITS,
-    choices,
-    constant_offset,
-    difference_by_object,
-    hits,
-    shares_by_object,
-    shortfall,
-    uniform_hits,
-)
+from viewgain.gain import POSITION_LIMITS, choices, constant_offset, hits, shortfall, uniform_hits
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -51,7 +42,7 @@ def test_a_uniform_guess_is_the_mean_over_all_free_views(seed: int) -> None:
     for row, chances in enumerate(uniform_hits(gains, free)):
         best = max(float(gain) for gain, may in zip(gains[row], free[row], strict=True) if may)
         lost = [best - float(gain) for gain, may in zip(gains[row], free[row], strict=True) if may]
-        counted = [np.mean([each <= limit + 1e-6 for each in lost]) for limit in LIMITS]
+        counted = [np.mean([each <= limit + 1e-6 for each in lost]) for limit in POSITION_LIMITS]
         np.testing.assert_allclose(chances, counted)
 
 
@@ -60,7 +51,7 @@ def test_more_tolerance_never_hits_less_and_the_best_view_always_does(seed: int)
     rng = np.random.default_rng(seed)
     gains, free = drawn_gains(rng), drawn_free(rng)
     within = hits(shortfall(gains, choices(rng.normal(size=gains.shape), free), free))
-    order = np.argsort(LIMITS)
+    order = np.argsort(POSITION_LIMITS)
     assert np.all(np.diff(within[:, order].astype(int), axis=1) >= 0)
     assert np.all(hits(shortfall(gains, choices(gains, free), free)))
 
@@ -75,11 +66,11 @@ def test_equal_views_are_equally_right_and_visited_ones_are_never_chosen() -> No
 
 
 def test_differences_at_a_limit_count_in_single_precision_too() -> None:
-    for limit in LIMITS[1:]:
+    for limit in POSITION_LIMITS[1:]:
         gains = np.array([[0.7, 0.7 - limit]], dtype=np.float32)
-        assert hits(shortfall(gains, [1]))[0, LIMITS.index(limit)]
+        assert hits(shortfall(gains, [1]))[0, POSITION_LIMITS.index(limit)]
         gains[0, 1] -= 1e-4
-        assert not hits(shortfall(gains, [1]))[0, LIMITS.index(limit)]
+        assert not hits(shortfall(gains, [1]))[0, POSITION_LIMITS.index(limit)]
 
 
 @given(SEEDS)
@@ -90,45 +81,7 @@ def test_no_other_constant_answer_is_right_more_often_where_it_was_chosen(seed: 
     assert rates[constant_offset(gains, free)] == max(rates)
 
 
-def test_kin_of_one_object_do_not_narrow_the_interval() -> None:
-    rng = np.random.default_rng(5)
-    once = rng.random((60, 1)) < 0.6
-    alone = shares_by_object(once, np.arange(60), rng=np.random.default_rng(1))
-    copied = shares_by_object(np.repeat(once, 20, axis=0), np.repeat(np.arange(60), 20), rng=np.random.default_rng(1))
-    assert copied.low == pytest.approx(alone.low)
-    assert copied.high == pytest.approx(alone.high)
-    assert alone.low[0] < alone.mean[0] < alone.high[0]
-
-
-def test_the_interval_holds_the_truth_about_as_often_as_it_says() -> None:
-    held = 0
-    for seed in range(200):
-        rng = np.random.default_rng([seed, 17])
-        sizes = rng.integers(1, 6, size=80)
-        chances = np.repeat(rng.random(80), sizes)  # kin share a chance, and chances average one half
-        values = (rng.random(len(chances)) < chances)[:, None]
-        shares = shares_by_object(values, np.repeat(np.arange(80), sizes), rng=rng, draws=400)
-        held += shares.low[0] <= 0.5 <= shares.high[0]
-    assert 178 <= held <= 199  # 0.95 of 200, three standard deviations to each side
-
-
-def test_a_paired_difference_is_surer_than_two_intervals_and_turns_its_sign() -> None:
-    rng = np.random.default_rng(3)
-    first = (rng.random((300, 1)) < 0.5).astype(float)
-    second = first.copy()
-    second[:6] = 0.0
-    objects = np.arange(300) // 3
-    paired = difference_by_object(first, second, objects, rng=np.random.default_rng(1))
-    turned = difference_by_object(second, first, objects, rng=np.random.default_rng(1))
-    single = shares_by_object(first, objects, rng=np.random.default_rng(1))
-    assert paired.mean[0] == pytest.approx(first.mean() - second.mean())
-    assert paired.high[0] - paired.low[0] < 0.5 * (single.high[0] - single.low[0])
-    assert (turned.low[0], turned.high[0]) == pytest.approx((-paired.high[0], -paired.low[0]))
-
-
 def test_no_samples_and_no_free_view_are_said() -> None:
-    with pytest.raises(DataError, match="no samples"):
-        shares_by_object(np.zeros((0, 5)), np.zeros(0), rng=np.random.default_rng(0))
     with pytest.raises(DataError, match="training samples"):
         constant_offset(np.zeros((0, 4)))
     with pytest.raises(ConfigError, match="all visited"):
