@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?=
+TABLE2_MINUTES ?= 30
 
 # One thread per process: the arrays are small, and two pools of threads on the same cores cost more than they bring.
 export OMP_NUM_THREADS := 1
@@ -10,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 volume-nbv setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -54,6 +55,20 @@ table1: $(VENV)/dev.stamp ## Judge the shipped networks on fresh objects and wri
 
 table-coverage: $(VENV)/dev.stamp ## The same over ten views: coverage beside random, farthest and greedy oracle, tables/coverage.md
 	$(BIN)/viewgain evaluate coverage --fresh 10 --workers 2 --out tables $(ARGS)
+
+table2: $(VENV)/dev.stamp ## Build the paper's boxes, train briefly, print its Table 2 (hours; TABLE2_MINUTES of training per network)
+	$(BIN)/viewgain dataset build boxes_paper --out data/boxes --workers 2 --resume --errors lines_published
+	test -e runs/volume_paper_short/run.json || $(BIN)/viewgain train volume_paper_short --data data/boxes --out runs/volume_paper_short --minutes $(TABLE2_MINUTES)
+	$(BIN)/viewgain export runs/volume_paper_short --out runs/volume_paper_short.onnx
+	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_short.onnx --out tables/table2 $(ARGS)
+	test -e runs/volume_paper_tally/run.json || $(BIN)/viewgain train volume_paper_tally --data data/boxes --out runs/volume_paper_tally --minutes $(TABLE2_MINUTES)
+	$(BIN)/viewgain export runs/volume_paper_tally --out runs/volume_paper_tally.onnx
+	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_tally.onnx --target tally:4,3,2,2:0 --out tables/table2-tally $(ARGS)
+
+volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume is chosen, on fresh boxes (hours; goes on where it was)
+	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --out tables/volume $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --estimator lines_published --out tables/volume-lines $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
 
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 

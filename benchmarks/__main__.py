@@ -23,6 +23,7 @@ from benchmarks import (
     rounding,
     simulation,
     stacks,
+    surrogate,
     volume,
 )
 
@@ -47,6 +48,7 @@ BENCHMARKS = {
     "data-statistics": data_statistics.run,
     "network": network.run,
     "rounding": rounding.run,
+    "surrogate": surrogate.run,
 }
 
 
@@ -58,7 +60,7 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504), enclosing (500), data-labels (meshes; 20) and coverage-policies (objects; 30)",
+        " (504), enclosing (500), surrogate (boxes; 160), data-labels (meshes; 20) and coverage-policies (objects; 30)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"

@@ -153,8 +153,10 @@ def test_the_command_ranks_by_a_network(scan: Scan, folder: Path, tmp_path: Path
     command = Next(scans=(path,), rig="pcnbv16", objective="coverage", deciding=chosen)
     assert run_next(command) == 0
     assert "policy network" in capsys.readouterr().out
-    with pytest.raises(ConfigError, match="coverage"):
+    with pytest.raises(ModelError, match="wanted pose_scores"):
         run_next(replace(command, objective="volume"))
+    with pytest.raises(ConfigError, match="of which the model knows nothing"):
+        run_next(replace(command, deciding=replace(chosen, policy="combined")))
     with pytest.raises(ConfigError, match="--abstain"):
         run_next(replace(command, objective="volume", deciding=Deciding(abstain=0.5)))
     with pytest.raises(ConfigError, match="boxes only"):

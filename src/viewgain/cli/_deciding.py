@@ -9,8 +9,9 @@ from typing import Literal
 class Deciding:
     """Who decides."""
 
-    policy: Literal["model", "network"] = "model"
-    """model: what each view would teach about the box; network: a trained network (objective coverage)."""
+    policy: Literal["model", "network", "combined"] = "model"
+    """model: what each view would teach about the box; network: a trained network, of the objective; combined: for volume, the
+    mean of the network and of the error that the model expects."""
     model: tuple[Path, ...] = ()
     """Network files made by viewgain export, several for their mean; default the shipped one for the rig and for whether the
     scan has a pose."""

@@ -6,8 +6,11 @@ from pathlib import Path
 
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1, Judging
 from viewgain.cli._evaluate_coverage import covered
+from viewgain.cli._evaluate_table2 import run_evaluate_table2
+from viewgain.cli._evaluate_volume import run_evaluate_volume
 from viewgain.cli._exit import NOT_WRITTEN, print_error
 from viewgain.cli._judging import check_options, judged_data, named_scorers, note
+from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
 from viewgain.datasets import Dataset, Frame, make_folder, rig_of, write_whole
 from viewgain.errors import ConfigError, MissingExtraError, StorageError
 from viewgain.evaluation import (
@@ -32,6 +35,10 @@ from viewgain.report import write_coverage_picture, write_table1_picture
 def run_evaluate(command: Evaluate) -> int:
     """Print the tables; exit code 4 if the folder cannot be written."""
     try:
+        if isinstance(command.action, EvaluateVolume):
+            return run_evaluate_volume(command.action)
+        if isinstance(command.action, EvaluateTable2):
+            return run_evaluate_table2(command.action)
         if isinstance(command.action, EvaluateTable1):
             return _table1(command.action)
         return _coverage(command.action)

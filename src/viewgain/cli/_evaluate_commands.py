@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import tyro
 
+from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
+
 
 @dataclass(frozen=True, kw_only=True)
 class Judging:
@@ -66,6 +68,9 @@ class Evaluate:
     """Judge networks beside floors, with intervals."""
 
     action: tyro.conf.OmitSubcommandPrefixes[
-        Annotated[EvaluateTable1, tyro.conf.subcommand("table1")] | Annotated[EvaluateCoverage, tyro.conf.subcommand("coverage")]
+        Annotated[EvaluateTable1, tyro.conf.subcommand("table1")]
+        | Annotated[EvaluateTable2, tyro.conf.subcommand("table2")]
+        | Annotated[EvaluateCoverage, tyro.conf.subcommand("coverage")]
+        | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
     ]
     """Which table."""

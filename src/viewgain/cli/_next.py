@@ -9,9 +9,9 @@ from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
 from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.errors import ConfigError
-from viewgain.inference import Ensemble, find_model, model_name, shipped_models
+from viewgain.inference import Ensemble, PoseScorer, find_model, model_name, shipped_models
 from viewgain.measure import REASONS, fuse, measure
-from viewgain.plan import NetworkPolicy, next_view
+from viewgain.plan import ExpectedErrorPolicy, NetworkPolicy, Policy, VolumeNetworkAboutBox, next_view
 from viewgain.rigs import rig
 from viewgain.scans import Scan
 
@@ -45,8 +45,8 @@ def run_next(command: Next) -> int:
     return 0
 
 
-def _policy(command: Next, scan: Scan) -> NetworkPolicy | None:
-    """Return the network that decides; None for the model-based policy."""
+def _policy(command: Next, scan: Scan) -> Policy | None:
+    """Return who decides; None for the model-based policy."""
     deciding = command.deciding
     if deciding.policy == "model":
         if command.objective == "coverage":
@@ -55,10 +55,25 @@ def _policy(command: Next, scan: Scan) -> NetworkPolicy | None:
             raise ConfigError("--abstain: got --policy model, which always chooses; add --policy network")
         return None
     if command.objective != "coverage":
-        raise ConfigError(f"--policy network: got --objective {command.objective}, wanted --objective coverage")
+        return _for_volume(command, scan)
+    if deciding.policy == "combined":
+        raise ConfigError("--policy combined: got --objective coverage, of which the model knows nothing; take --policy network")
     name = rig(command.rig).name
     models = deciding.model or (_shipped(name, posed=scan.camera_to_world is not None),)
     return NetworkPolicy(Ensemble.load(models), scan, name, abstain_below=deciding.abstain)
+
+
+def _for_volume(command: Next, scan: Scan) -> Policy:
+    deciding = command.deciding
+    if len(deciding.model) != 1:
+        raise ConfigError(
+            f"--policy {deciding.policy}: got {len(deciding.model)} networks for --objective {command.objective}, wanted one that"
+            " was trained for volumes; name it with --model"
+        )
+    if deciding.abstain:
+        raise ConfigError("--abstain: got --objective volume, wanted --objective coverage")
+    model = ExpectedErrorPolicy() if deciding.policy == "combined" else None
+    return VolumeNetworkAboutBox(PoseScorer.load(deciding.model[0]), scan, model)
 
 
 def _shipped(rig_name: str, *, posed: bool) -> Path:

@@ -8,6 +8,8 @@ from viewgain.datasets._engine import Engine as Engine
 from viewgain.datasets._engine import LocalEngine as LocalEngine
 from viewgain.datasets._engine import engine as engine
 from viewgain.datasets._estimators import volume_error as volume_error
+from viewgain.datasets._expected import volume_alone as volume_alone
+from viewgain.datasets._expected import volume_fused as volume_fused
 from viewgain.datasets._export import export_hf as export_hf
 from viewgain.datasets._files import make_folder as make_folder
 from viewgain.datasets._files import write_whole as write_whole
@@ -15,6 +17,7 @@ from viewgain.datasets._limited import limited as limited
 from viewgain.datasets._manifest import Manifest as Manifest
 from viewgain.datasets._manifest import read_manifest as read_manifest
 from viewgain.datasets._mesh_units import mesh_of as mesh_of
+from viewgain.datasets._named_scores import with_target as with_target
 from viewgain.datasets._plan import Plan as Plan
 from viewgain.datasets._plan import plan_of as plan_of
 from viewgain.datasets._recipe_file import RECIPES as RECIPES

@@ -6,8 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from viewgain.arrays import Points, Pose
+from viewgain.arrays import Array, Points, Pose
 from viewgain.camera import Sensor
+from viewgain.datasets._expected import ALONE, FUSED, volume_alone, volume_fused
 from viewgain.datasets._points import kept
 from viewgain.datasets._sample import Sample
 from viewgain.datasets._seeds import SCAN, SCENE, generator
@@ -38,6 +39,7 @@ class BoxMaker:
         Effects().without(*content.without)
         self._recipe, self._content = recipe, content
         self._setup = lru_cache(maxsize=2)(self._made_setup)
+        self._alone = lru_cache(maxsize=2)(self._made_alone)
 
     def units(self) -> Iterator[Unit]:
         """Yield units of up to ``captures_per_unit`` scans of one station of one box."""
@@ -74,7 +76,18 @@ class BoxMaker:
             points = kept(scan.points, self._recipe.points, rng=rng)
             sample = self._sample(unit, setup, points, present, number)
             candidates = seen_from(view, present, stations)
-            yield replace(sample, candidates=candidates, reachable=np.roll(reachable, -view)), scan
+            targets = self._targets(unit.object, view, present) if self._content.expected else {}
+            yield replace(sample, candidates=candidates, reachable=np.roll(reachable, -view), targets=targets), scan
+
+    def _targets(self, box: int, view: int, present: Pose) -> dict[str, Array]:
+        """Return what each station is expected to be worth, the present view first."""
+        setup = self._setup(box)
+        after = volume_fused(setup.caster.scene.boxes[0], present, setup.stations(), setup.camera)
+        return {ALONE: np.roll(self._alone(box), -view), FUSED: np.roll(after, -view)}
+
+    def _made_alone(self, box: int) -> Array:
+        setup = self._setup(box)
+        return volume_alone(setup.caster.scene.boxes[0], setup.stations(), setup.camera)
 
     def _sample(self, unit: Unit, setup: Setup, points: Points, present: Pose, number: int) -> Sample:
         """Return what a scan from a pose is a sample of; the candidates are still to be filled in."""

@@ -21,6 +21,10 @@ RECIPES = (
     "coverage_learn_tiny",
     "coverage_table1",
     "coverage_pcnbv_learn",
+    "volume_irregular",
+    "volume_irregular_tiny",
+    "volume_random",
+    "volume_random_tiny",
 )
 """Names of the recipes that come with the package."""
 _TOP = ("makes", "takes", "seed", "units_per_shard", "points", *CONTENTS)

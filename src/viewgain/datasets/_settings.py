@@ -103,6 +103,9 @@ class BoxSettings:
     """Least and most walls."""
     reflectivity: Pair = (0.5, 0.5)
     """Share of light that each body gives back."""
+    expected: bool = False
+    """Store what each station is expected to be worth for the volume, worked out from the true box without a scan: targets
+    ``volume_alone`` and ``volume_fused`` (docs/volume_nbv.md)."""
 
     def __post_init__(self) -> None:
         if bool(self.sizes) == bool(self.count):

@@ -54,7 +54,9 @@ from viewgain.gain._tof import BorderTerm as BorderTerm
 from viewgain.gain._tof import BoxViews as BoxViews
 from viewgain.gain._tof import IncidenceTerm as IncidenceTerm
 from viewgain.gain._volume_errors import BoxScans as BoxScans
+from viewgain.gain._volume_errors import believed_scan as believed_scan
 from viewgain.gain._volume_errors import fused_errors as fused_errors
+from viewgain.gain._volume_errors import measured_scan as measured_scan
 from viewgain.gain._volume_errors import volume_errors as volume_errors
 from viewgain.gain._volumetric import GridKnown as GridKnown
 from viewgain.gain._volumetric_area import AreaFactor as AreaFactor

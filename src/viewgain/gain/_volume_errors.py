@@ -128,27 +128,43 @@ def fused_errors(
     errors, alone = np.full((scans.views, len(chosen)), np.nan), np.full(len(chosen), np.nan)
     for column, number in enumerate(chosen):
         # Odd numbers are first scans, even ones are candidates: no scan is fused with itself.
-        first = _measured(scans, present, 2 * number + 1, pose_sigma)
+        first = measured_scan(scans, present, 2 * number + 1, pose_sigma)
         alone[column] = _error(scans, first)
         for view in range(scans.views):
-            second = _measured(scans, view, 2 * number, pose_sigma)
+            second = measured_scan(scans, view, 2 * number, pose_sigma)
             both = [each for each in (first, second) if each is not None]
             if both:
                 errors[view, column] = _error(scans, fuse_measurements(both, pose_sigma=pose_sigma or POSE_SIGMA))
     return errors, alone
 
 
-def _measured(scans: BoxScans, view: int, number: int, pose_sigma: tuple[float, float] | None) -> Measurement | None:
-    """Return the measurement of one scan, labelled with the pose that is believed; None where there is no scan."""
+def believed_scan(scans: BoxScans, view: int, number: int, pose_sigma: tuple[float, float] | None = POSE_SIGMA) -> Scan | None:
+    """Return scan ``number`` from station ``view``, with the pose that the camera believes in; None for no scan.
+
+    Args:
+        scans: The box and its scans.
+        view: The station.
+        number: Which scan of it.
+        pose_sigma: How far the belief is from the truth, standard deviation per axis, metres and radians; None for no pose.
+
+    Raises:
+        ConfigError: If there is no such station or number.
+    """
     scan = scans.scan(view, number)
-    if scan is None:
-        return None
-    if pose_sigma is None:
-        return measure(replace(scan, camera_to_world=None), camera=scans.sensor)
+    if scan is None or pose_sigma is None:
+        return None if scan is None else replace(scan, camera_to_world=None)
     rng = np.random.default_rng([scans.seed, view, number, 1])
     metres, radians = pose_sigma
     miss = pose(rotation_from_rotvec(rng.normal(0.0, radians, 3)), rng.normal(0.0, metres, 3))
-    return measure(scan.posed(scans.camera_to_world(view, number) @ miss), camera=scans.sensor)
+    return scan.posed(scans.camera_to_world(view, number) @ miss)
+
+
+def measured_scan(
+    scans: BoxScans, view: int, number: int, pose_sigma: tuple[float, float] | None = POSE_SIGMA
+) -> Measurement | None:
+    """Return the default estimator's measurement of :func:`believed_scan`; arguments and errors as there."""
+    scan = believed_scan(scans, view, number, pose_sigma)
+    return None if scan is None else measure(scan, camera=scans.sensor)
 
 
 def _error(scans: BoxScans, measured: Measurement | None) -> float:

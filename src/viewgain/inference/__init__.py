@@ -1,5 +1,6 @@
 """Scores from a network file through onnxruntime; torch is not needed."""
 
+from viewgain.inference._card import POSE_KIND as POSE_KIND
 from viewgain.inference._card import FrameName as FrameName
 from viewgain.inference._card import Metric as Metric
 from viewgain.inference._card import ModelCard as ModelCard
@@ -10,8 +11,10 @@ from viewgain.inference._normalise import Bounds as Bounds
 from viewgain.inference._normalise import bounds_of as bounds_of
 from viewgain.inference._normalise import normalised as normalised
 from viewgain.inference._normalise import thinned as thinned
+from viewgain.inference._pose_scorer import PoseScorer as PoseScorer
 from viewgain.inference._scorer import CARD_KEY as CARD_KEY
 from viewgain.inference._scorer import INPUTS as INPUTS
+from viewgain.inference._scorer import POSE_INPUTS as POSE_INPUTS
 from viewgain.inference._scorer import Scorer as Scorer
 from viewgain.inference._scorer import Scores as Scores
 from viewgain.inference._shipped import find_model as find_model

@@ -11,10 +11,13 @@ from viewgain.errors import ModelError, one_line
 
 CARD_SCHEMA = 1
 """Version of the JSON form; it grows by new keys only."""
+POSE_KIND = "pose_scores"
+"""The kind of networks that are told the candidates' poses; rig and order on their cards say only what they were trained on."""
 FrameName: TypeAlias = Literal["object", "camera"]
 """Where points are given: in the object's own frame (z up, turned as in the data), or in the present camera (x right, y down)."""
-Rule: TypeAlias = Literal["whole_box", "seen_box"]
-"""Which bounding box sets centre and scale: that of the whole object, to be known or estimated; or that of the points."""
+Rule: TypeAlias = Literal["whole_box", "seen_box", "metres"]
+"""Which bounding box sets centre and scale: that of the whole object, to be known or estimated; or that of the points.
+``metres``: none, a whole scan is given as it was measured, with the floor."""
 Sampling: TypeAlias = Literal["random", "farthest"]
 """How points are drawn where there are too many."""
 Order: TypeAlias = Literal["present_first", "rig"]

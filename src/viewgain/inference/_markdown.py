@@ -1,6 +1,6 @@
 """A model card as a page for people."""
 
-from viewgain.inference._card import Metric, ModelCard
+from viewgain.inference._card import POSE_KIND, Metric, ModelCard
 
 RULES = {
     "whole_box": "the bounding box of the whole object",
@@ -15,14 +15,18 @@ ORDERS = {
 def to_markdown(card: ModelCard) -> str:
     """Return the card as Markdown: use, input, training, figures, limits."""
     told = "and which views were visited" if card.with_view_state else "and nothing else: no camera pose"
+    cloud = "a whole scan" if card.normalisation == "metres" else "the object without its floor"
+    rig = f"rig `{card.rig}`, {card.views} views; scores come {ORDERS[card.order]}"
+    if card.kind == POSE_KIND:
+        told, rig = "and the candidates' poses in the present camera", "any; scores come in the order in which they are given"
     lines = [
         f"# {card.name}",
         "",
         card.task,
         "",
         f"- Network: `{card.kind}`, {card.parameters:,} parameters, stored as half floats, computed in single precision",
-        f"- Candidate views: rig `{card.rig}`, {card.views} views; scores come {ORDERS[card.order]}",
-        f"- Input: {card.points} points of the object without its floor, {told}",
+        f"- Candidate views: {rig}",
+        f"- Input: {card.points} points of {cloud}, {told}",
         f"- {_normalisation(card)}",
         f"- Clouds of more points are thinned ({card.sampling}), of fewer are padded with a mask",
         f"- Each score comes {'with' if card.uncertainty else 'without'} a standard deviation",
@@ -45,6 +49,8 @@ def to_markdown(card: ModelCard) -> str:
 
 
 def _normalisation(card: ModelCard) -> str:
+    if card.normalisation == "metres":
+        return "Frame: the present camera (x right, y down, z forward), metres"
     box = RULES[card.normalisation]
     if card.frame == "object":
         return f"Frame: the object's (z up). The centre of {box} goes to the origin, its diagonal becomes 1"

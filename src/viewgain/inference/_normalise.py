@@ -56,6 +56,10 @@ def normalised(points: Points, card: ModelCard, bounds: Bounds | None = None) ->
         ScanError: If there are no points.
         ConfigError: If the points are said to be normalised and reach too far.
     """
+    if card.normalisation == "metres":
+        if len(points) == 0:
+            raise ScanError("network: got no points, wanted a scan")
+        return points
     if card.normalisation == "seen_box":
         bounds = bounds_of(points)
     if bounds is None:

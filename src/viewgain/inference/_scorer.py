@@ -9,12 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from viewgain.arrays import Points, Vector
 from viewgain.errors import ConfigError, ModelError, ScanError, one_line
-from viewgain.inference._card import FrameName, ModelCard
+from viewgain.inference._card import POSE_KIND, FrameName, ModelCard
 from viewgain.inference._normalise import Bounds, normalised, thinned
 from viewgain.inference._shipped import find_model
 
 CARD_KEY = "viewgain_card"
 """Where the card lies in the file's metadata."""
+POSE_INPUTS = ("points", "mask", "candidates")
+"""Names of the inputs of a network that is told the candidates' poses (:class:`viewgain.inference.PoseScorer`)."""
 INPUTS = ("points", "mask", "view_state")
 """Names of the inputs; the last only where the card says so."""
 _SILENT = 4
@@ -53,14 +55,7 @@ class Scorer:
         if threads < 1:
             raise ConfigError(f"network: got {threads} threads, wanted at least 1")
         path = find_model(model)
-        session = _opened(path, threads)
-        text = session.get_modelmeta().custom_metadata_map.get(CARD_KEY)
-        if text is None:
-            raise ModelError(f"{path}: a network of another program (it has no viewgain card); use viewgain export")
-        try:
-            card = ModelCard.from_json(text)
-        except ModelError as error:
-            raise ModelError(f"{path}: {error}") from error
+        session, card = opened_with_card(path, threads)
         _check_signature(path, session, card)
         return cls(session, card)
 
@@ -163,6 +158,22 @@ class Scorer:
         return output
 
 
+def opened_with_card(path: Path, threads: int) -> tuple[Any, ModelCard]:
+    """Return a session of onnxruntime and the card in the file.
+
+    Raises:
+        ModelError: If the file is damaged, or of another program.
+    """
+    session = _opened(path, threads)
+    text = session.get_modelmeta().custom_metadata_map.get(CARD_KEY)
+    if text is None:
+        raise ModelError(f"{path}: a network of another program (it has no viewgain card); use viewgain export")
+    try:
+        return session, ModelCard.from_json(text)
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}") from error
+
+
 def _opened(path: Path, threads: int) -> Any:
     """Return a session of onnxruntime. The content is read first, so that the file cannot refer to others."""
     import onnxruntime
@@ -179,6 +190,8 @@ def _opened(path: Path, threads: int) -> Any:
 
 def _check_signature(path: Path, session: Any, card: ModelCard) -> None:
     """Make sure that inputs and output are those of the card."""
+    if card.kind == POSE_KIND:
+        raise ModelError(f"{path}: scores poses of candidates, not the views of one rig; use it with --objective volume")
     names = tuple(each.name for each in session.get_inputs())
     outputs = session.get_outputs()
     shape = outputs[0].shape[1:]

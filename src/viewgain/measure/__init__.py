@@ -2,6 +2,7 @@
 
 from viewgain.measure._calibrate import Calibration as Calibration
 from viewgain.measure._calibrate import calibrate as calibrate
+from viewgain.measure._evidence import MAX_SLENDER as MAX_SLENDER
 from viewgain.measure._fit import marginal as marginal
 from viewgain.measure._floor import Floor as Floor
 from viewgain.measure._floor import find_floors as find_floors
@@ -11,6 +12,7 @@ from viewgain.measure._fuse import fuse_measurements as fuse_measurements
 from viewgain.measure._joint import pose_precision as pose_precision
 from viewgain.measure._measure import measure as measure
 from viewgain.measure._measure import sensor_of as sensor_of
+from viewgain.measure._quality import MIN_EDGE_SHOWN as MIN_EDGE_SHOWN
 from viewgain.measure._range_image import RangeImage as RangeImage
 from viewgain.measure._range_image import range_image as range_image
 from viewgain.measure._result import REASONS as REASONS
@@ -19,7 +21,10 @@ from viewgain.measure._result import BoxEstimate as BoxEstimate
 from viewgain.measure._result import Measurement as Measurement
 from viewgain.measure._result import Rejected as Rejected
 from viewgain.measure._result import floor_json as floor_json
+from viewgain.measure._stretch import SPANNING as SPANNING
+from viewgain.measure._stretch import SPANNING_POINTS as SPANNING_POINTS
 from viewgain.measure._uncertainty import LOOSE_PRIOR as LOOSE_PRIOR
+from viewgain.measure._uncertainty import OPEN_SHARE as OPEN_SHARE
 from viewgain.measure._uncertainty import PRIOR_EXTENT as PRIOR_EXTENT
 from viewgain.measure._uncertainty import SYSTEMATIC as SYSTEMATIC
 from viewgain.measure._uncertainty import Knowledge as Knowledge

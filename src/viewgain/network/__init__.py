@@ -25,6 +25,7 @@ from viewgain.network._output import log_variance_of as log_variance_of
 from viewgain.network._output import scores_of as scores_of
 from viewgain.network._output import sigma_of as sigma_of
 from viewgain.network._pcnbv import PcNbv as PcNbv
+from viewgain.network._pose_scores import PoseScores as PoseScores
 from viewgain.network._settings import Kind as Kind
 from viewgain.network._settings import NetworkSettings as NetworkSettings
 from viewgain.network._settings import Uncertainty as Uncertainty

@@ -6,6 +6,7 @@ from torch import nn
 from viewgain.network._compact import Compact
 from viewgain.network._inputs import ScoreNetwork
 from viewgain.network._pcnbv import PcNbv
+from viewgain.network._pose_scores import PoseScores
 from viewgain.network._settings import NetworkSettings
 
 
@@ -19,7 +20,7 @@ def build(settings: NetworkSettings, *, generator: torch.Generator | None = None
         generator: Draws the weights.
     """
     with torch.device("meta"):
-        module: ScoreNetwork = PcNbv(settings) if settings.kind.startswith("pc_nbv") else Compact(settings)
+        module = _network(settings)
     module = module.to_empty(device="cpu")
     with torch.no_grad():
         for parameter in module.parameters():
@@ -28,6 +29,12 @@ def build(settings: NetworkSettings, *, generator: torch.Generator | None = None
             else:
                 nn.init.xavier_uniform_(parameter, generator=generator)
     return module
+
+
+def _network(settings: NetworkSettings) -> ScoreNetwork:
+    if settings.with_poses:
+        return PoseScores(settings)
+    return PcNbv(settings) if settings.kind.startswith("pc_nbv") else Compact(settings)
 
 
 def parameters_of(module: nn.Module) -> int:

@@ -15,7 +15,7 @@ import torch
 from torch import Tensor, nn
 
 from viewgain.errors import ConfigError, MissingExtraError
-from viewgain.inference import CARD_KEY, INPUTS, ModelCard, to_markdown
+from viewgain.inference import CARD_KEY, INPUTS, POSE_INPUTS, ModelCard, to_markdown
 from viewgain.network._build import parameters_of
 from viewgain.network._inputs import ScoreNetwork
 from viewgain.network._output import log_variance_of, scores_of
@@ -109,10 +109,13 @@ def _traced(network: ScoreNetwork, settings: NetworkSettings, sigma_scale: float
     number = max(EXAMPLE, 2 * settings.neighbours)
     inputs = [torch.linspace(-0.5, 0.5, 6 * number).sin().reshape(2, number, 3), torch.ones(2, number, dtype=torch.bool)]
     inputs += [torch.zeros(2, settings.views)] if settings.with_view_state else []
-    names = INPUTS[: len(inputs)]
+    inputs += [torch.eye(4).expand(2, 3, 4, 4).clone()] if settings.with_poses else []
+    names = POSE_INPUTS if settings.with_poses else INPUTS[: len(inputs)]
     axes = {name: {0: "batch"} for name in (*names, "scores")}
     for name in ("points", "mask"):
         axes[name][1] = "number"
+    for name in ("candidates", "scores") if settings.with_poses else ():
+        axes[name][1] = "views"
     with tempfile.TemporaryDirectory() as folder, _quiet():
         file = Path(folder) / "traced.onnx"
         # The tracing exporter: that by torch.export takes ten times as long and wants onnxscript. Nothing is folded, or a

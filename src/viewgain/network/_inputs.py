@@ -29,7 +29,8 @@ class ScoreNetwork(nn.Module, ABC):
             points: (B, N, 3) points, normalised as the network was trained; the padding may be any finite numbers.
             mask: (B, N) which points are real, at least one per cloud (else its scores are NaN); None for all. Points that lie
                 exactly where an earlier one lies are left out.
-            view_state: (B, V) 1 for visited views; None for a network without it.
+            view_state: (B, V) 1 for visited views; None for a network without it. For a network that is told poses
+                they stand here, (B, V, 4, 4), and the scores come in their order.
 
         Raises:
             ConfigError: If shapes do not fit, or a view state is missing or not wanted.

@@ -5,8 +5,9 @@ from typing import Literal, TypeAlias, get_args
 
 from viewgain.errors import ConfigError
 
-Kind: TypeAlias = Literal["pc_nbv", "pc_nbv_noview", "compact", "compact_view"]
-"""``pc_nbv`` and ``compact_view`` are told which views were visited, ``pc_nbv_noview`` and ``compact`` are not."""
+Kind: TypeAlias = Literal["pc_nbv", "pc_nbv_noview", "compact", "compact_view", "pose_scores"]
+"""``pc_nbv`` and ``compact_view`` are told which views were visited, ``pc_nbv_noview`` and ``compact`` are not; ``pose_scores``
+is told the candidates' poses, so it scores any number of views of any rig."""
 Uncertainty: TypeAlias = Literal["none", "gaussian", "evidential"]
 """Whether a network says how sure it is of each score."""
 
@@ -18,7 +19,7 @@ class NetworkSettings:
     kind: Kind = "pc_nbv"
     """Which network."""
     views: int = 33
-    """V, the candidate views of the rig."""
+    """V, the candidate views of the rig; of ``pose_scores`` the most that are trained on at once."""
     points: int = 512
     """Points per cloud that it is trained and exported for; it runs on any number."""
     neighbours: int = 16
@@ -47,6 +48,11 @@ class NetworkSettings:
         counts = (self.views, self.points, self.neighbours, self.blocks, *self.centres)
         if min(*widths, *counts) < 1 or not self.shared or not self.head:
             raise ConfigError("network: wanted views, points, neighbours, blocks, centres and all widths of at least one")
+
+    @property
+    def with_poses(self) -> bool:
+        """Whether the network is told the candidates' poses, and answers in their order."""
+        return self.kind == "pose_scores"
 
     @property
     def with_view_state(self) -> bool:

@@ -6,6 +6,9 @@ from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Outlook as Outlook
 from viewgain.plan._doubt import Hesitant as Hesitant
 from viewgain.plan._doubt import chances_of_best as chances_of_best
+from viewgain.plan._expected import ExpectedErrorPolicy as ExpectedErrorPolicy
+from viewgain.plan._expected import expected_error as expected_error
+from viewgain.plan._expected import fused_expected_error as fused_expected_error
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order
@@ -19,11 +22,16 @@ from viewgain.plan._policy import Policy as Policy
 from viewgain.plan._policy import RandomPolicy as RandomPolicy
 from viewgain.plan._predict import Prediction as Prediction
 from viewgain.plan._predict import predict as predict
+from viewgain.plan._showing import Showing as Showing
+from viewgain.plan._showing import showing as showing
 from viewgain.plan._views import Seen as Seen
 from viewgain.plan._views import ViewPolicy as ViewPolicy
 from viewgain.plan._views import choose as choose
 from viewgain.plan._views import unique as unique
 from viewgain.plan._views import visited_among as visited_among
+from viewgain.plan._volume_network import MeanPolicy as MeanPolicy
+from viewgain.plan._volume_network import VolumeNetworkAboutBox as VolumeNetworkAboutBox
+from viewgain.plan._volume_network import VolumeNetworkPolicy as VolumeNetworkPolicy
 from viewgain.plan._volumetric import Mapper as Mapper
 from viewgain.plan._volumetric import VolumetricPolicy as VolumetricPolicy
 from viewgain.plan._words import directions_in_words as directions_in_words

@@ -91,7 +91,7 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
     if np.any(seen.corners()[:, 2] < 0.05):
         return Prediction(Knowledge(information, systematic), (), 1.0)
     camera = sensor.intrinsics
-    seen_as = constraints(seen, _to_pixels(camera), (camera.width, camera.height))
+    seen_as = constraints(seen, to_pixels(camera), (camera.width, camera.height))
     sights = []
     for face in range(FLOOR):
         points, hits, weight = _face_samples(seen, face, sensor)
@@ -105,7 +105,7 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
     return Prediction(Knowledge(information, systematic), tuple(sights), seen_as.border)
 
 
-def _to_pixels(camera: Intrinsics) -> Callable[[Points2], Points2]:
+def to_pixels(camera: Intrinsics) -> Callable[[Points2], Points2]:
     """Return the map from (n, 2) normalised image points to (n, 2) pixels."""
     return lambda image: camera.project(np.column_stack([image, np.ones(len(image))]))
 

@@ -4,7 +4,7 @@ So how many steps were made is the whole state of the data, and every process of
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Protocol
 
@@ -15,6 +15,7 @@ from torch import Tensor
 
 from viewgain.datasets import ShuffledOrder
 from viewgain.training._examples import Examples
+from viewgain.training._moved import moved_alike
 from viewgain.training._settings import DataSettings
 from viewgain.training._symmetry import Symmetries
 
@@ -38,6 +39,15 @@ class Batch:
     """(B,) int64: the present view."""
     taught: Tensor | None = None
     """(B, V) float32: a teacher's scores in the same order; None without a teacher."""
+    candidates: Tensor | None = None
+    """(B, V, 4, 4) float32: the candidates' poses in the present camera; None for networks that are not told."""
+    valid: Tensor | None = None
+    """(B, V) bool: candidates that count; None for all."""
+
+    @property
+    def told(self) -> Tensor | None:
+        """What the network is told beside the cloud."""
+        return self.states if self.candidates is None else self.candidates
 
 
 class Labels(Protocol):
@@ -113,6 +123,9 @@ class Batches:
         taught = None
         if self._teacher is not None and shown is not None:
             taught = self._teacher.scores(shown[0][part], shown[1][part], states[part], views[part])
+        candidates, valid = (None if each is None else each[rows] for each in (self._examples.candidates, self._examples.valid))
+        if candidates is not None:
+            clouds, candidates = moved_alike(clouds, mask, candidates, self._settings, generator)
         clouds, mask = self._disturbed(clouds, mask, generator)
         whole = _batch(clouds, mask, views, states, targets, uses_state=self._uses_state)
         return Batch(
@@ -122,6 +135,8 @@ class Batches:
             targets=whole.targets[part],
             views=whole.views[part],
             taught=taught,
+            candidates=None if candidates is None else candidates[part],
+            valid=None if valid is None else valid[part],
         )
 
     def _generator(self, step: int) -> torch.Generator:
@@ -151,7 +166,9 @@ def in_order(
         clouds = examples.points[index, :points].float()
         mask = torch.arange(clouds.shape[1], device=clouds.device)[None] < examples.counts[index, None]
         views, states, targets = (each[index] for each in (examples.views, examples.states, examples.targets))
-        yield chosen, _batch(clouds, mask, views, states, targets, uses_state=uses_state)
+        whole = _batch(clouds, mask, views, states, targets, uses_state=uses_state)
+        candidates, valid = (None if each is None else each[index] for each in (examples.candidates, examples.valid))
+        yield chosen, replace(whole, candidates=candidates, valid=valid)
 
 
 def drawn_points(examples: Examples, rows: Tensor, points: int, generator: torch.Generator) -> tuple[Tensor, Tensor]:

@@ -3,7 +3,8 @@
 Thousands of small clouds fit; reading them anew for each step would cost more than the step of a small network.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import torch
@@ -11,11 +12,13 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from viewgain.arrays import Poses
-from viewgain.datasets import Dataset, Sample, rig_of
+from viewgain.datasets import Dataset, Sample, rig_of, with_target
 from viewgain.errors import DataError
 from viewgain.geometry import inverse
 from viewgain.training._settings import DataSettings
 
+NEVER = -2.0
+"""What a candidate is worth that is not there or cannot be reached: less than any error can cost. No loss looks at it."""
 _RESIDENT = 0x7261
 """Stream of the draw of the points that are held."""
 
@@ -38,39 +41,49 @@ class Examples:
     """(N,) number of the object."""
     poses: Poses
     """(V, 4, 4) camera to object, of the first sample; NaN where the data set does not know them."""
+    candidates: Tensor | None = None
+    """(N, V, 4, 4) float32 candidates in the present camera, for networks that are told; then all that belongs to views stands in
+    their order, the present one first, :attr:`views` is 0, and a sample of fewer views has identities after its own."""
+    valid: Tensor | None = None
+    """(N, V) bool: candidates that there are and that can be reached; None for all."""
 
     def __len__(self) -> int:
         return len(self.objects)
 
     def to(self, device: str) -> "Examples":
         """Return the same samples on a device."""
-        tensors = {name: getattr(self, name).to(device) for name in ("points", "counts", "views", "states", "targets")}
-        return Examples(**tensors, objects=self.objects, poses=self.poses)
+        names = ("points", "counts", "views", "states", "targets", "candidates", "valid")
+        held = {name: getattr(self, name) for name in names}
+        tensors: dict[str, Any] = {name: None if each is None else each.to(device) for name, each in held.items()}
+        return replace(self, **tensors)
 
 
-def load_examples(data: Dataset, settings: DataSettings, *, views: int, seed: int) -> Examples:
+def load_examples(data: Dataset, settings: DataSettings, *, views: int, seed: int, with_poses: bool = False) -> Examples:
     """Return the samples that a recipe learns from: those that train in each of its divisions.
 
     Args:
         data: The data set.
         settings: The recipe's table.
-        views: V, as the network has it.
+        views: V, as the network has it; with poses the most that a sample may have.
         seed: Of the draw of the points that are held.
+        with_poses: Whether the network is told the candidates' poses.
 
     Raises:
         DataError: If the data is of another rig or target, has no sample that trains, or a sample without points.
         ConfigError: If there is no such division, or points are wanted in another frame and the object's pose is not known.
     """
-    check_data(data, settings, views=views)
+    check_data(data, settings, views=None if with_poses else views)
+    data = with_target(data, settings.target)
     chosen = np.arange(len(data))
     for division in settings.divisions:
         chosen = np.intersect1d(chosen, data.part(division, "train"))
+    chosen = chosen[~np.isin(data.column("object")[chosen], settings.without)]
     if len(chosen) == 0:
         raise DataError(f"{data.folder}: got no sample that trains in {' and '.join(settings.divisions)}; change the divisions")
-    return _stacked(data, chosen, settings, views=views, seed=seed)
+    return _stacked(data, chosen, settings, views=views, seed=seed, with_poses=with_poses)
 
 
-def check_data(data: Dataset, settings: DataSettings, *, views: int) -> None:
+def check_data(data: Dataset, settings: DataSettings, *, views: int | None) -> None:
     """Make sure that a data set is what a recipe is for.
 
     Raises:
@@ -80,31 +93,41 @@ def check_data(data: Dataset, settings: DataSettings, *, views: int) -> None:
     rig = rig_of(manifest)
     if settings.rig and rig != settings.rig:
         raise DataError(f"{data.folder}: got data of rig {rig}, wanted {settings.rig}; name other data or another recipe")
-    if settings.target not in manifest.targets:
-        raise DataError(
-            f"{data.folder}: got the scores {', '.join(manifest.targets) or 'none'}, wanted {settings.target}; name other data"
-        )
     count = len(data[0].candidates) if len(data) else 0
-    if count != views:
+    if views is not None and count != views:
         raise DataError(f"{data.folder}: got data with {count} views, wanted {views}, as the network has; name other data")
 
 
-def _stacked(data: Dataset, chosen: NDArray[np.intp], settings: DataSettings, *, views: int, seed: int) -> Examples:
-
+def _stacked(
+    data: Dataset, chosen: NDArray[np.intp], settings: DataSettings, *, views: int, seed: int, with_poses: bool
+) -> Examples:
     count, held = len(chosen), settings.resident
     points = np.zeros((count, held, 3), dtype=np.float16)
     counts, present, objects = (np.zeros(count, dtype=np.int64) for _ in range(3))
     states, targets = np.zeros((count, views), dtype=bool), np.zeros((count, views), dtype=np.float32)
+    candidates, valid = np.tile(np.eye(4, dtype=np.float32), (count, views, 1, 1)), np.zeros((count, views), dtype=bool)
     for row, index in enumerate(chosen.tolist()):
         sample = data[index].in_frame(settings.frame)
-        _check_sample(data, index, sample, views)
+        _check_sample(data, index, sample, views, at_most=with_poses)
         drawn = np.random.default_rng([seed, _RESIDENT, index]).permutation(len(sample.points))[:held]
-        counts[row], present[row], objects[row] = len(drawn), sample.view, sample.object
+        counts[row], objects[row] = len(drawn), sample.object
         points[row, : len(drawn)] = sample.points[drawn]
-        states[row] = np.roll(sample.state, sample.view)
+        if with_poses:
+            own = slice(len(sample.candidates))
+            states[row, own], targets[row, own] = sample.state, sample.targets[settings.target]
+            candidates[row, own], valid[row, own] = sample.candidates, sample.reachable
+            continue
+        present[row] = sample.view
+        # What a box measures from here a second scan may measure better: of whole scans the present view is not used up.
+        states[row] = np.roll(sample.state, sample.view) & (not settings.whole_scan)
         targets[row] = np.roll(sample.targets[settings.target], sample.view)
     most = int(counts.max())
     tensors = {"points": points[:, :most], "counts": counts, "views": present, "states": states, "targets": targets}
+    if with_poses:
+        if not np.all(np.isfinite(candidates)) or not valid.any(axis=1).all():
+            raise DataError(f"{data.folder}: got a sample without poses, or without a view that can be reached; name other data")
+        targets[~valid] = NEVER
+        tensors |= {"candidates": candidates, "valid": valid}
     return Examples(
         **{name: torch.from_numpy(np.ascontiguousarray(array)) for name, array in tensors.items()},
         objects=objects,
@@ -112,11 +135,11 @@ def _stacked(data: Dataset, chosen: NDArray[np.intp], settings: DataSettings, *,
     )
 
 
-def _check_sample(data: Dataset, index: int, sample: Sample, views: int) -> None:
-    if len(sample.candidates) != views:
-        raise DataError(
-            f"{data.folder}: sample {index} has {len(sample.candidates)} views, wanted {views} in each; name other data"
-        )
+def _check_sample(data: Dataset, index: int, sample: Sample, views: int, *, at_most: bool) -> None:
+    count = len(sample.candidates)
+    if count > views or (count < views and not at_most):
+        wanted = f"at most {views}" if at_most else f"{views}"
+        raise DataError(f"{data.folder}: sample {index} has {count} views, wanted {wanted} in each; name other data")
     if len(sample.points) == 0 or not np.all(np.isfinite(sample.points)):
         raise DataError(f"{data.folder}: sample {index} has no points, or some that are not finite; wanted a cloud in each")
 

@@ -12,17 +12,27 @@ from viewgain.inference import Metric, ModelCard, Source
 from viewgain.network import export_onnx
 from viewgain.training._load import Trained, load_trained
 
+VOLUME_TASK = (
+    "How well a box's volume would be measured from each candidate view, from one scan: minus the expected |relative error|, or"
+    " the share of a histogram of errors that lies near zero (see target)."
+)
+"""What the scores of networks for volume mean."""
 TASK = "How much of an object's surface each of the rig's views would newly cover, from the partial cloud seen so far."
 """What the scores mean."""
 LIMITS = (
     "One object alone, without floor or walls around it, of the kinds it was trained on.",
     "Trained on clouds without noise; the candidate views are those of its rig and no others.",
 )
-"""What a network is not for."""
+"""What a network of coverage is not for."""
+VOLUME_LIMITS = (
+    "A box that stands on a floor in view; of several the one that the candidates look at.",
+    "Trained on simulated scans; what a view is worth was worked out from the true box, without what hides it from there.",
+)
+"""What a network of volumes is not for."""
 
 
 def export_run(
-    run: Path, out: Path, *, sources: Sequence[Source] = (), metrics: Sequence[Metric] = (), limits: Sequence[str] = LIMITS
+    run: Path, out: Path, *, sources: Sequence[Source] = (), metrics: Sequence[Metric] = (), limits: Sequence[str] | None = None
 ) -> ModelCard:
     """Write the best weights of a run as ONNX, with a card, and return the card.
 
@@ -33,7 +43,7 @@ def export_run(
         out: File to write, .onnx.
         sources: Training data and its licences; none to name the data recipe, licence not stated.
         metrics: Figures beside those on the run's validation objects, for instance of an evaluation on other objects.
-        limits: What it is not for.
+        limits: What it is not for; None for what holds of all networks of its task.
 
     Raises:
         TrainingError: If there is no run, or it has no sound best weights.
@@ -61,27 +71,27 @@ def read_metrics(path: Path) -> tuple[Metric, ...]:
 
 
 def card_of(
-    trained: Trained, sources: Sequence[Source] = (), metrics: Sequence[Metric] = (), limits: Sequence[str] = LIMITS
+    trained: Trained, sources: Sequence[Source] = (), metrics: Sequence[Metric] = (), limits: Sequence[str] | None = None
 ) -> ModelCard:
     """Return the card of a trained network; arguments as :func:`export_run`."""
     recipe, facts = trained.record.recipe, trained.record.facts
     network = recipe.network
     return ModelCard(
         name=recipe.name,
-        task=TASK,
+        task=TASK if recipe.data.target.startswith("gain") else VOLUME_TASK,
         kind=network.kind,
         rig=str(facts["rig"]),
         views=network.views,
         points=network.points,
         frame=recipe.data.frame,
-        normalisation="whole_box",
+        normalisation="metres" if recipe.data.whole_scan else "whole_box",
         order="rig" if network.with_view_state else "present_first",
         with_view_state=network.with_view_state,
         uncertainty=network.uncertainty != "none",
         trained_on=tuple(sources) or (_source(facts),),
         training=_training(trained),
         metrics=(*_validation(trained), *metrics),
-        limits=tuple(limits),
+        limits=tuple(limits if limits is not None else VOLUME_LIMITS if recipe.data.whole_scan else LIMITS),
     )
 
 

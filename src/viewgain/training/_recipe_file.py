@@ -19,6 +19,14 @@ TRAINING_RECIPES = (
     "compact_view",
     "compact_view33",
     "compact_camera",
+    "volume_paper",
+    "volume_paper_short",
+    "volume_paper_tally",
+    "volume_irregular",
+    "volume_irregular_fixed",
+    "volume_random",
+    "volume_fused",
+    "volume_tiny",
 )
 """Names of the recipes that come with the package."""
 _KEYS = ("makes", "network", "data", "training", "loss", "distil")

@@ -129,8 +129,10 @@ def _run(
     seed = recipe.training.seed
     teacher = open_teacher(recipe, rig_of(data.manifest), means.device)
     check_same(teacher, before)
-    examples = load_examples(data, recipe.data, views=recipe.network.views, seed=seed)
-    aside = held_out(examples.objects, recipe.data.validation_share, seed=seed)
+    network = recipe.network
+    examples = load_examples(data, recipe.data, views=network.views, seed=seed, with_poses=network.with_poses)
+    watched = examples.objects if recipe.data.validate_on == "objects" else np.arange(len(examples))
+    aside = held_out(watched, recipe.data.validation_share, seed=seed)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         session = Session(recipe, _batches(recipe, examples, aside, means.device, teacher), device=means.device, ranks=group)

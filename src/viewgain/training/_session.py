@@ -105,7 +105,7 @@ class Session:
     def _loss(self, batch: Batch) -> Tensor:
         half = self.recipe.training.precision == "bfloat16"
         with torch.autocast(torch.device(self._device).type, dtype=torch.bfloat16, enabled=half):
-            output, presence = self._joined(batch.points, batch.mask, batch.states)
+            output, presence = self._joined(batch.points, batch.mask, batch.told)
         loss = _labelled(output.float(), batch, self.recipe)
         # Gradients are averaged over processes, but a sum over the whole batch is the sum of theirs.
         loss = loss * self._ranks.size if self.recipe.loss.kind == "half_sum" else loss
@@ -128,11 +128,11 @@ class _Answers(nn.Module):
 def _labelled(output: Tensor, batch: Batch, recipe: TrainingRecipe) -> Tensor:
     """Return the loss against the labels, or its mean with the loss against the teacher's scores, by the teacher's weight."""
     loss, distil = recipe.loss, recipe.distil
-    labels = score_loss(output, batch.targets, loss)
+    labels = score_loss(output, batch.targets, loss, valid=batch.valid)
     if distil is None or batch.taught is None:
         return labels
     by_teacher: LossSettings = loss if distil.temperature is None else replace(loss, temperature=distil.temperature)
-    return distil.weight * score_loss(output, batch.taught, by_teacher) + (1 - distil.weight) * labels
+    return distil.weight * score_loss(output, batch.taught, by_teacher, valid=batch.valid) + (1 - distil.weight) * labels
 
 
 def _groups(model: nn.Module, weight_decay: float) -> list[dict[str, Any]]:

@@ -28,16 +28,28 @@ class DataSettings:
     frame: Frame = "object"
     """Frame that the points are shown in, whichever the data set has them in."""
     target: str = "gain_published"
-    """Which scores of the data set are learned."""
+    """Which scores of the data set are learned; also ``histogram:ESTIMATOR:OBJECTIVE`` of stored volume errors, or
+    ``tally:4,3,2,2:SEED`` (``viewgain.datasets.with_target``)."""
     divisions: tuple[str, ...] = ()
     """Learn from what is in part ``train`` of each of these divisions; empty to learn from all samples."""
     validation_share: float = 0.1
     """Share of the objects that are kept out of training to watch it; whole objects, drawn with the seed."""
+    validate_on: Literal["objects", "samples"] = "objects"
+    """What that share is of. ``samples`` of objects that train too: then the figures measure memory, as on the paper's boxes."""
+    without: tuple[int, ...] = ()
+    """Numbers of objects that are left out of everything."""
     resident: int = 1024
     """Points of each sample that are held in memory, as half floats; every step draws the network's number of them anew."""
     symmetry: bool = False
     """Show each sample turned and mirrored at random, by those motions about the vertical that carry the rig onto itself; the
     scores move with the views, so they stay right. Refused where the rig has no such motion."""
+    whole_scan: bool = False
+    """Clouds are whole scans in metres, as the camera measured them, instead of objects scaled to their box; the card says so."""
+    turn_deg: float = 0.0
+    """For networks that are told the candidates' poses: turn the present camera's axes at random by up to so much, points and
+    poses alike; what a candidate sees stays the same."""
+    mirror: bool = False
+    """For the same networks: mirror half of the samples left to right, scene and cameras alike."""
     jitter: float = 0.0
     """Standard deviation of normal noise on every coordinate, in units of the data."""
     dropout: float = 0.0
@@ -49,6 +61,8 @@ class DataSettings:
                 f"data: got validation_share {self.validation_share} and resident {self.resident}, wanted one between 0 and 1 and"
                 " one of 1 or more"
             )
+        if self.turn_deg < 0 or (self.whole_scan and self.frame != "camera"):
+            raise ConfigError("data: wanted a turn_deg of 0 or more, and whole scans in the camera frame only")
         if self.jitter < 0 or not 0 <= self.dropout < 1:
             raise ConfigError(f"data: got jitter {self.jitter}, dropout {self.dropout}; wanted 0 or more, and 0 to under 1")
 

@@ -54,14 +54,16 @@ def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows:
     model.eval()
     with torch.inference_mode():
         for chosen, batch in in_order(examples, rows, batch=_BATCH, points=points, uses_state=uses_state):
-            output = model(batch.points, batch.mask, batch.states).float()
-            losses.append(float(score_loss(output, batch.targets, recipe.loss)) * len(chosen))
+            output = model(batch.points, batch.mask, batch.told).float()
+            losses.append(float(score_loss(output, batch.targets, recipe.loss, valid=batch.valid)) * len(chosen))
             free = free_views(examples, chosen, rig_order=uses_state)
             picked = choices(scores_of(output).cpu().numpy(), free)
             right.append(hits(shortfall(batch.targets.cpu().numpy(), picked, free)))
             sigma = sigma_of(output)
             if sigma is not None:
-                ratios.append(((scores_of(output) - batch.targets) / sigma).square().mean(1).cpu().numpy())
+                valid = torch.ones_like(batch.targets, dtype=torch.bool) if batch.valid is None else batch.valid
+                squares = ((scores_of(output) - batch.targets) / sigma).square()
+                ratios.append(squares[valid].cpu().numpy())
     model.train(was_training)
     exact, *within = np.concatenate(right).mean(axis=0).tolist()
     return Validation(
@@ -74,7 +76,13 @@ def validate(model: nn.Module, recipe: TrainingRecipe, examples: Examples, rows:
 
 
 def free_views(examples: Examples, rows: NDArray[np.intp], *, rig_order: bool) -> NDArray[np.bool_]:
-    """Return (B, V) which views of some samples were not visited yet; in rig order, or with the present view first."""
+    """Return (B, V) which views of some samples may be chosen; in rig order, or with the present view first.
+
+    Those not visited yet; of candidates with poses all that can be reached, and of whole scans all, the present one too.
+    """
+    if examples.valid is not None:
+        reachable: NDArray[np.bool_] = examples.valid[torch.from_numpy(rows).to(examples.valid.device)].cpu().numpy()
+        return reachable
     index = torch.from_numpy(rows).to(examples.points.device)
     states: Tensor = examples.states[index]
     free: NDArray[np.bool_] = ~(states if rig_order else present_first(states, examples.views[index])).cpu().numpy()

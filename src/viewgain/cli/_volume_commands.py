@@ -1,0 +1,66 @@
+"""The commands about volume planners as dataclasses: the fields are the options, their docstrings the help."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateVolume:
+    """Say how well planners choose the next view for a box's volume, on fresh boxes from a seed of your choice."""
+
+    boxes: int = 20
+    """How many boxes; one takes half a minute or so with the default estimator."""
+    seed: int = 0
+    """Source of boxes and scans."""
+    rig: str = "irregular4"
+    """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
+    camera: str = "pico_flexx"
+    """Camera preset (docs/cameras.md) or a TOML file."""
+    policies: tuple[str, ...] = ("model", "covariance", "farthest", "constant", "random", "oracle")
+    """Who chooses: model, covariance, farthest, constant, random, oracle, network:FILE.onnx, combined:FILE.onnx."""
+    estimator: str = "default"
+    """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
+    captures: int = 24
+    """Scans of each position that score it; as many others are the oracle's."""
+    fused: bool = False
+    """A position is worth what its scan and the present one say together (default estimator only)."""
+    side: tuple[float, float] = (0.05, 1.2)
+    """Least and longest side of the boxes, metres."""
+    distance: float = 1.2
+    """For stations that leave it open, metres from the centre."""
+    elevation: float = 35.0
+    """For stations that leave it open, degrees."""
+    workers: int = 1
+    """Processes; the results are the same whatever the number."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder of the results: what every box took is kept, so the same command goes on where it was; volume.md and volume.json."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateTable2:
+    """Say how often networks name the best position of a box, on boxes that train and on others: the paper's Table 2."""
+
+    data: Path
+    """Folder of a built boxes_paper set, with volume errors (viewgain dataset build boxes_paper --errors lines_published)."""
+    models: tuple[str, ...] = ()
+    """Networks of whole scans: .onnx files or shipped names; none for the floors alone."""
+    target: str = "histogram:lines_published:soft"
+    """What says which position is best: histogram:ESTIMATOR:OBJECTIVE, or tally:4,3,2,2:SEED for one drawn label per box."""
+    captures: int = 50
+    """Test scans of each box and position that are judged, at most."""
+    folds: int = 0
+    """Choices of held-out boxes to train a network for, each anew; 0 for none."""
+    leave: int = 3
+    """Boxes that each choice holds out."""
+    recipe: str = "volume_paper_short"
+    """What is trained for each choice."""
+    minutes: float = 2.0
+    """How long each of those trains."""
+    seed: int = 0
+    """Of the intervals, and of the order of the choices."""
+    json: bool = False
+    """One JSON object per table, one line each, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder to write table2.md and table2.json into, and the runs of the folds, which go on there."""

@@ -1,0 +1,22 @@
+"""Choices of held-out boxes: a figure of one choice says little about eleven boxes."""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from viewgain.errors import ConfigError
+
+
+def leave_out(objects: Sequence[int], leave: int, *, most: int | None = None, seed: int = 0) -> list[tuple[int, ...]]:
+    """Return the choices of ``leave`` of the objects, each ascending, all of them in a drawn order, or the first ``most``.
+
+    Raises:
+        ConfigError: If so many cannot be left out and leave some to train on.
+    """
+    numbers = sorted(set(objects))
+    if not 1 <= leave < len(numbers) or (most is not None and most < 1):
+        raise ConfigError(f"folds: got {leave} of {len(numbers)} boxes to leave out, wanted 1 or more, and fewer than there are")
+    every = list(combinations(numbers, leave))
+    order = np.random.default_rng([seed, 0x666F]).permutation(len(every))
+    return [every[place] for place in order[:most].tolist()]

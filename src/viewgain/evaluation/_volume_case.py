@@ -1,0 +1,200 @@
+"""Fresh boxes from a seed, and what every position of a rig is worth for measuring each: what planners are held to."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from viewgain.arrays import Array, Mask, Poses
+from viewgain.box import Box
+from viewgain.camera import Sensor, sensor
+from viewgain.errors import ConfigError, ViewgainError
+from viewgain.gain import (
+    ESTIMATORS,
+    BoxScans,
+    VolumeEstimator,
+    believed_scan,
+    measured_scan,
+    measured_volume,
+    volume_estimator,
+)
+from viewgain.measure import POSE_SIGMA, Measurement, fuse_measurements
+from viewgain.rigs import Rig, Target, poses, refusals, rig
+from viewgain.scans import Scan
+from viewgain.scenes import SceneRanges, random_box
+from viewgain.simulate import draw_range_error
+
+LEAST_CAPTURES = 2
+"""Fewer scans of each position have no spread."""
+_CASE = 0x7632
+"""Stream of boxes."""
+_TRIES = 1000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VolumeSettings:
+    """What is asked: boxes, rig, camera, estimator. Two of equal settings are about the same boxes and the same scans."""
+
+    seed: int = 0
+    """Source of all boxes and scans, >= 0."""
+    rig: str = "irregular4"
+    """Positions: a preset or a rig file."""
+    camera: str = "pico_flexx"
+    """Camera: a preset or a file; each box has one of its own, with a systematic error drawn from what calibration leaves."""
+    estimator: str = "default"
+    """Who measures the volume, of ``viewgain.gain.ESTIMATORS``."""
+    captures: int = 24
+    """Scans of each position that score it; as many others are the oracle's."""
+    fused: bool = False
+    """Whether a position is worth what its scan and the present one say together, rather than its scan alone."""
+    side: tuple[float, float] = (0.05, 1.2)
+    """Least and longest side of a box, metres."""
+    distance: float = 1.2
+    """For stations that leave it open, metres from the box's centre."""
+    elevation_deg: float = 35.0
+    """For stations that leave it open, degrees."""
+
+    def __post_init__(self) -> None:
+        if self.seed < 0 or self.captures < LEAST_CAPTURES:
+            raise ConfigError(
+                f"evaluate volume: got seed {self.seed} and {self.captures} captures, wanted 0 or more, and"
+                f" {LEAST_CAPTURES} or more"
+            )
+        if not 0 < self.side[0] <= self.side[1] or not self.distance > 0:
+            raise ConfigError(
+                f"evaluate volume: got sides {self.side} and distance {self.distance}, wanted [low, high] and positive numbers"
+            )
+        if self.estimator not in ESTIMATORS:
+            raise ConfigError(f"estimator: got {self.estimator!r}, wanted one of {', '.join(ESTIMATORS)}")
+        if self.fused and self.estimator != "default":
+            raise ConfigError(f"evaluate volume: got --fused with {self.estimator}, which cannot fuse; take default")
+        self.stations()
+        sensor(self.camera)
+
+    def stations(self) -> Rig:
+        """Return the rig."""
+        return rig(self.rig)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VolumeCase:
+    """One box: where it stands, where a camera may stand, and where it stands now."""
+
+    number: int
+    """Which box."""
+    settings: VolumeSettings
+    """What it was drawn for."""
+    scans: BoxScans
+    """The box and all its scans."""
+    stations: Poses
+    """(V, 4, 4) ``camera_to_world`` of the positions, without jitter."""
+    reachable: Mask
+    """(V,) where a camera can stand; at least two positions."""
+    present: int
+    """Where the camera stands when it decides, drawn from those."""
+
+    @property
+    def box(self) -> Box:
+        """The box, world frame."""
+        return self.scans.box
+
+    @property
+    def camera(self) -> Sensor:
+        """The camera as its data sheet has it."""
+        return self.scans.sensor
+
+    @property
+    def seen(self) -> Scan | None:
+        """The scan to decide by, with the pose that the camera believes in; None where it shows next to nothing.
+
+        It is none of those that score the positions.
+        """
+        return believed_scan(self.scans, self.present, 2 * self.settings.captures, self._believed)
+
+    @property
+    def _believed(self) -> tuple[float, float]:
+        """Standard deviation of the camera's belief about its pose; where nothing is fused no estimator looks at poses."""
+        return POSE_SIGMA if self.settings.fused else (0.0, 0.0)
+
+
+def volume_case(settings: VolumeSettings, number: int) -> VolumeCase:
+    """Return box ``number`` of a seed. A box that leaves a camera fewer than two positions is drawn anew.
+
+    Raises:
+        ConfigError: If no box of 1,000 leaves two positions.
+    """
+    rng = np.random.default_rng([settings.seed, _CASE, number])
+    stations, camera = settings.stations(), sensor(settings.camera)
+    ranges = SceneRanges(extent=settings.side, yaw_deg=(0.0, 360.0))
+    for _ in range(_TRIES):
+        box = random_box(rng, ranges)
+        target = Target(box.box_to_camera, box.extents)
+        elevation = float(np.deg2rad(settings.elevation_deg))
+        cameras = poses(stations, target, elevation=elevation, distance=settings.distance)
+        limits = replace(stations, min_distance=max(stations.min_distance, camera.range_min))
+        reachable = np.array([reason is None for reason in refusals(limits, cameras, target)])
+        if reachable.sum() < 2:
+            continue
+        scans = BoxScans(
+            box=box,
+            rig=stations,
+            sensor=camera,
+            seed=int(rng.integers(2**31)),
+            elevation=elevation,
+            distance=settings.distance,
+            error=draw_range_error(camera, rng=rng),
+        )
+        present = int(rng.choice(np.flatnonzero(reachable)))
+        return VolumeCase(number, settings, scans, cameras, reachable, present)
+    raise ConfigError(
+        f"evaluate volume: got no box of {_TRIES} that leaves two positions of rig {stations.name}; take smaller boxes or"
+        " a greater --distance"
+    )
+
+
+def case_errors(case: VolumeCase) -> Array:
+    """Return (V, 2n) relative volume errors: n scans of each position that score it, then n that are the oracle's.
+
+    NaN for a miss, and for positions that cannot be reached. Fused, each scan is joined with the one to decide by,
+    always the same: what is asked is what this very decision is worth.
+    """
+    settings = case.settings
+    numbers = range(2 * settings.captures)
+    errors = np.full((case.scans.views, len(numbers)), np.nan)
+    if settings.fused:
+        known = _or_none(case, case.present, len(numbers))
+        for view in np.flatnonzero(case.reachable).tolist():
+            errors[view] = [_fused_error(case, known, view, number) for number in numbers]
+        return errors
+    measured = _never_failing(volume_estimator(settings.estimator, case.camera))
+    for view in np.flatnonzero(case.reachable).tolist():
+        for number in numbers:
+            scan = case.scans.scan(view, number)
+            errors[view, number] = np.nan if scan is None else measured(scan) / case.box.volume - 1
+    return errors
+
+
+def _fused_error(case: VolumeCase, known: Measurement | None, view: int, number: int) -> float:
+    both = [each for each in (known, _or_none(case, view, number)) if each is not None]
+    if not both:
+        return float("nan")
+    try:
+        return measured_volume(fuse_measurements(both)) / case.box.volume - 1
+    except (ViewgainError, np.linalg.LinAlgError):  # a miss is a miss, whatever its name
+        return float("nan")
+
+
+def _or_none(case: VolumeCase, view: int, number: int) -> Measurement | None:
+    try:
+        return measured_scan(case.scans, view, number, POSE_SIGMA)
+    except (ViewgainError, np.linalg.LinAlgError):
+        return None
+
+
+def _never_failing(estimator: VolumeEstimator) -> VolumeEstimator:
+    def measured(scan: Scan) -> float:
+        try:
+            return estimator(scan)
+        except (ViewgainError, np.linalg.LinAlgError):  # a miss is a miss, whatever its name
+            return float("nan")
+
+    return measured

@@ -1,0 +1,150 @@
+"""Which position each policy takes on a fresh box, from one scan of the present one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from viewgain.arrays import Vector
+from viewgain.errors import ConfigError, ModelError
+from viewgain.evaluation._volume_case import VolumeCase
+from viewgain.gain import unrolled
+from viewgain.inference import PoseScorer, Scorer
+from viewgain.measure import POSE_SIGMA
+from viewgain.plan import (
+    CovariancePolicy,
+    ExpectedErrorPolicy,
+    FarthestPolicy,
+    MeanPolicy,
+    OnBelief,
+    Seen,
+    ViewPolicy,
+    VolumeNetworkPolicy,
+    choose,
+    visited_among,
+)
+
+UNIFORM, CONSTANT, OFFSET, ORACLE = "uniform guess", "constant position", "constant offset", "oracle"
+"""Rows that need no decision made on a scan."""
+FLOORS = {"random": (UNIFORM,), "constant": (CONSTANT, OFFSET), "oracle": (ORACLE,)}
+"""The rows that each of these names asks for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What a policy says of one box."""
+
+    position: int
+    """Where to go; the present position where the policy has no opinion."""
+    has_opinion: bool
+    """Whether it had one."""
+    margin: float = 0.0
+    """By how much the policy prefers it to the next best position, in the unit of its scores; 0 without an opinion."""
+
+
+Maker = Callable[[VolumeCase], ViewPolicy]
+"""Gives the policy that decides on a case."""
+DECIDING: Mapping[str, Maker] = {
+    "model": lambda case: OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera),
+    "covariance": lambda case: OnBelief(CovariancePolicy(POSE_SIGMA), case.camera),
+    "farthest": lambda case: FarthestPolicy(),
+}
+FROM_FILE = {"network": "its scores alone", "combined": "the mean of them and the model's"}
+"""Policies that are named with a file, ``network:FILE.onnx``, and what decides."""
+"""Policies by name, but for networks. ``model`` expects the error that is scored, ``covariance`` the certainty after fusing."""
+DEFAULT_POLICIES = ("model", "covariance", "farthest", "constant", "random", "oracle")
+"""What is compared where nothing is named."""
+
+
+def check_volume_policies(names: tuple[str, ...]) -> None:
+    """Refuse names of policies that are not known, or given twice.
+
+    Raises:
+        ConfigError: Saying which.
+    """
+    for name in names:
+        if name not in DECIDING and name not in FLOORS and not is_from_file(name):
+            known = ", ".join([*DECIDING, *FLOORS, *(f"{kind}:FILE" for kind in FROM_FILE)])
+            raise ConfigError(f"policy {name!r} is not known; choose from {known}")
+    if len(set(names)) < len(names):
+        raise ConfigError(f"policies: got {', '.join(names)}, wanted each once")
+
+
+def is_from_file(name: str) -> bool:
+    """Return whether a policy is named with the file of its network."""
+    return name.partition(":")[0] in FROM_FILE and len(name.partition(":")[2]) > 0
+
+
+def policy_of(name: str, case: VolumeCase) -> ViewPolicy:
+    """Return the policy of a name for a case.
+
+    Raises:
+        ModelError: If its network cannot be used.
+        ConfigError: If a network of one rig is asked about another.
+    """
+    if name in DECIDING:
+        return DECIDING[name](case)
+    kind, _, file = name.partition(":")
+    network = network_policy(file, rig=case.settings.stations().name)
+    return network if kind == "network" else MeanPolicy(DECIDING["model"](case), network)
+
+
+@lru_cache(maxsize=4)
+def network_policy(file: str, *, rig: str) -> ViewPolicy:
+    """Return the policy of a network file: one that is told poses, or one of whole scans with the views of one rig.
+
+    Raises:
+        ModelError: If there is no such file, or it is no network for volumes.
+        ConfigError: If it is of another rig.
+    """
+    try:
+        return VolumeNetworkPolicy(PoseScorer.load(file))
+    except ModelError:
+        scorer = Scorer.load(file)
+    reason = scorer.refusal(frame="camera", rig=rig)
+    if reason or scorer.card.normalisation != "metres":
+        raise ConfigError(reason or f"{file}: scores coverage and not volumes; name a network that was trained for volumes")
+    return StationNetworkPolicy(scorer)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StationNetworkPolicy:
+    """A network with the views of its rig fixed, the present one first, as in the paper. It must know where it stands."""
+
+    scorer: Scorer
+    name: str = "network"
+
+    def scores(self, seen: Seen) -> Vector:
+        """Return (V,) scores in rig order; NaN where there is no scan or the camera stands near no station."""
+        if not seen.scans:
+            return np.full(len(seen.candidates), np.nan)
+        here = seen.stands[-1, :3, 3]
+        present = int(np.argmin(np.linalg.norm(seen.candidates[:, :3, 3] - here, axis=1)))
+        return unrolled(self.scorer.scores(seen.scans[-1].points, frame="camera"), present)
+
+
+def choice(case: VolumeCase, policy: ViewPolicy) -> Choice:
+    """Return where a policy goes from the scan to decide by; any reachable position may be taken, the present one too."""
+    seen = seen_of(case)
+    scores = policy.scores(seen)
+    place = choose(scores, case.reachable)
+    if place is None or not np.isfinite(scores[place]):
+        return Choice(case.present, False)
+    others = np.delete(scores, place)[np.delete(case.reachable, place)]
+    known = others[np.isfinite(others)]
+    return Choice(place, True, float(scores[place] - known.max()) if len(known) else 0.0)
+
+
+def seen_of(case: VolumeCase) -> Seen:
+    """Return what a policy knows of a case: one scan, or none where the camera sees next to nothing."""
+    scan = case.seen
+    stand = case.stations[case.present] if scan is None or scan.camera_to_world is None else scan.camera_to_world
+    stands = stand[None]
+    return Seen(
+        () if scan is None else (scan,),
+        stands,
+        case.stations,
+        visited_among(case.stations, stands),
+        case.camera.intrinsics,
+    )

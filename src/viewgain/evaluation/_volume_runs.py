@@ -1,0 +1,158 @@
+"""Boxes worked through by processes: errors that are costly and kept, decisions that are cheap and made anew every time."""
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from viewgain.arrays import Array, Mask
+from viewgain.datasets import LocalEngine, make_folder, write_whole
+from viewgain.errors import DataError
+from viewgain.evaluation._volume_case import VolumeSettings, case_errors, volume_case
+from viewgain.evaluation._volume_choices import DECIDING, Choice, choice, is_from_file, policy_of
+
+SETTINGS, BOXES = "settings.json", "boxes"
+"""What a folder of results holds: the question, and one file per box."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class VolumeRun:
+    """One box: the truth about its positions, and what each policy chose."""
+
+    number: int
+    """Which box."""
+    size: tuple[float, float, float]
+    """Its sides, metres."""
+    present: int
+    """Where the camera stood."""
+    reachable: Mask
+    """(V,) where it could go."""
+    errors: Array
+    """(V, 2n) relative volume errors, NaN for a miss: the first n score, the others are the oracle's."""
+    choices: dict[str, Choice]
+    """By policy."""
+    milliseconds: dict[str, float]
+    """CPU time of each decision, measuring included."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Task:
+    settings: VolumeSettings
+    number: int
+    policies: tuple[str, ...]
+    known: str | None
+    """What a file says of the box; None to work it out."""
+
+
+Watcher = Callable[[int, int], None]
+"""Told after every box: how many are done, of how many."""
+
+
+def run_boxes(
+    settings: VolumeSettings,
+    boxes: int,
+    policies: Sequence[str],
+    *,
+    workers: int = 1,
+    folder: Path | None = None,
+    watch: Watcher = lambda done, total: None,
+) -> list[VolumeRun]:
+    """Return the runs of boxes 0 to ``boxes`` - 1.
+
+    Args:
+        settings: The question.
+        boxes: How many, 1 or more.
+        policies: Names of policies that decide on a scan.
+        workers: Processes, one thread each; the results are the same whatever the number.
+        folder: Where errors are kept, box by box, and taken from if they are there; made if it is missing.
+        watch: Is told how far it is.
+
+    Raises:
+        DataError: If the folder answers another question, a file in it is damaged, or a process died twice on one box.
+        ConfigError: If the settings leave no box.
+        StorageError: If the folder cannot be written.
+    """
+    deciding = tuple(name for name in policies if name in DECIDING or is_from_file(name))
+    if folder is not None:
+        _claim(folder, settings)
+    tasks = [_Task(settings=settings, number=number, policies=deciding, known=_kept(folder, number)) for number in range(boxes)]
+    done: dict[int, VolumeRun] = {}
+    watch(0, boxes)
+    for task, run in LocalEngine(workers).run(_worked_out, tasks):
+        if not isinstance(run, VolumeRun):
+            raise DataError(f"box {task.number}: its worker process died twice; lower --workers and run the same command again")
+        if folder is not None and task.known is None:
+            write_whole(_file(folder, run.number), _truth(run).encode())
+        done[run.number] = run
+        watch(len(done), boxes)
+    return [done[number] for number in range(boxes)]
+
+
+def _worked_out(task: _Task) -> VolumeRun:
+    case = volume_case(task.settings, task.number)
+    errors = case_errors(case) if task.known is None else _read(task.known, task.number)
+    if errors.shape != (case.scans.views, 2 * task.settings.captures):
+        raise DataError(f"box {task.number}: its file holds errors {errors.shape}; remove it and run the same command again")
+    choices, spent = {}, {}
+    for name in task.policies:
+        policy = policy_of(name, case)
+        start = process_time()
+        choices[name] = choice(case, policy)
+        spent[name] = 1e3 * (process_time() - start)
+    sides = tuple(float(side) for side in case.box.extents)
+    return VolumeRun(
+        number=task.number,
+        size=(sides[0], sides[1], sides[2]),
+        present=case.present,
+        reachable=case.reachable,
+        errors=errors,
+        choices=choices,
+        milliseconds=spent,
+    )
+
+
+def _truth(run: VolumeRun) -> str:
+    """Return what is kept of a box: its errors, null for a miss."""
+    rows = [[float(error) if np.isfinite(error) else None for error in row] for row in run.errors]
+    return json.dumps({"box": run.number, "size_m": run.size, "present": run.present, "errors": rows}, allow_nan=False) + "\n"
+
+
+def _read(text: str, number: int) -> Array:
+    try:
+        rows = json.loads(text)["errors"]
+        return np.array([[np.nan if error is None else float(error) for error in row] for row in rows], dtype=float)
+    except (ValueError, TypeError, KeyError) as error:
+        raise DataError(f"box {number}: its file is damaged; remove it and run the same command again") from error
+
+
+def _file(folder: Path, number: int) -> Path:
+    return folder / BOXES / f"box{number:05d}.json"
+
+
+def _kept(folder: Path | None, number: int) -> str | None:
+    if folder is None or not _file(folder, number).exists():
+        return None
+    return _file(folder, number).read_text(encoding="utf-8")
+
+
+def _claim(folder: Path, settings: VolumeSettings) -> None:
+    """Make the folder, or make sure that it answers the same question."""
+    from viewgain import __version__
+
+    make_folder(folder / BOXES)
+    question = {"viewgain": __version__, "rig_stations": _digest(settings), **dataclasses.asdict(settings)}
+    text = json.dumps(question, sort_keys=True) + "\n"
+    file = folder / SETTINGS
+    if file.exists() and file.read_text(encoding="utf-8") != text:
+        raise DataError(f"{folder}: holds results of other settings; name another folder, or ask as its {SETTINGS} does")
+    write_whole(file, text.encode())
+
+
+def _digest(settings: VolumeSettings) -> str:
+    """Return a fingerprint of the rig: a file of that name may have changed."""
+    return hashlib.sha256(repr(settings.stations()).encode()).hexdigest()[:16]

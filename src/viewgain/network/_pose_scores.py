@@ -1,0 +1,85 @@
+"""Scores of any candidates of any rig: what is given of each is its pose relative to the present camera (ours).
+
+The cloud is taken together as in the compact networks. Every candidate then asks its points; and it looks at them: their places
+in the candidate's own camera say what would lie in its image, from how far away and how near to the border.
+"""
+
+import torch
+from torch import Tensor, nn
+
+from viewgain.errors import ConfigError
+from viewgain.network._abstraction import SetAbstraction
+from viewgain.network._inputs import ScoreNetwork
+from viewgain.network._neighbours import in_order
+from viewgain.network._output import NUMBERS
+from viewgain.network._queries import Ask
+from viewgain.network._settings import NetworkSettings
+
+NUMBERS_OF_A_POSE = 12
+"""Rotation, row by row, and position."""
+
+
+class PoseScores(ScoreNetwork):
+    """A cloud and poses (B, V, 4, 4) of candidates in the cloud's camera, to a score for each; V is any number.
+
+    The score of a candidate does not depend on the others, so their order carries the scores along, and masks are not needed.
+    """
+
+    def __init__(self, settings: NetworkSettings) -> None:
+        """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
+        super().__init__(settings)
+        width = settings.width
+        many, few = settings.centres
+        self.lift = nn.Sequential(nn.Linear(3, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU())
+        self.fine = SetAbstraction(width, 2 * width, 4 * width, centres=many, neighbours=settings.neighbours)
+        self.coarse = SetAbstraction(4 * width, 4 * width, 8 * width, centres=few, neighbours=settings.neighbours)
+        self.wide = nn.Linear(8 * width + 3, 8 * width)
+        self.pose = nn.Sequential(nn.Linear(NUMBERS_OF_A_POSE, 4 * width), nn.ReLU(), nn.Linear(4 * width, 4 * width))
+        self.whole = nn.Linear(8 * width, 4 * width)
+        self.look = Look(4 * width, 2 * width, 4 * width)
+        self.ask = nn.ModuleList((Ask(4 * width, 8 * width + 3), Ask(4 * width, 4 * width + 3)))
+        self.think = nn.Sequential(nn.Linear(4 * width, 8 * width), nn.ReLU(), nn.Linear(8 * width, 4 * width))
+        self.head = nn.Sequential(nn.Linear(4 * width, 4 * width), nn.ReLU(), nn.Linear(4 * width, NUMBERS[settings.uncertainty]))
+
+    def scored(self, points: Tensor, mask: Tensor, told: Tensor | None) -> Tensor:
+        """Return the scores (B, V), with uncertainty (B, V, 2) or (B, V, 4)."""
+        assert told is not None  # the check of inputs has made sure of it
+        points, number = in_order(points, mask)
+        fine_points, fine = self.fine(points, self.lift(points), number)
+        coarse_points, coarse = self.coarse(fine_points, fine, torch.full_like(number, fine.shape[1]))
+        near, far = torch.cat((fine, fine_points), dim=-1), torch.cat((coarse, coarse_points), dim=-1)
+        cloud = torch.relu(self.wide(far)).amax(1)
+        turns, places = told[..., :3, :3], told[..., :3, 3]
+        views = self.pose(torch.cat((turns.flatten(2), places), dim=-1)) + self.whole(cloud)[:, None]
+        seen = (fine_points[:, None] - places[:, :, None]) @ turns  # (B, V, M, 3) in each candidate's camera
+        views = views + self.look(fine, seen)
+        views = views + self.ask[0](views, far)
+        views = views + self.think(views)
+        answers = self.head(torch.relu(views + self.ask[1](views, near)))
+        return torch.as_tensor(answers[..., 0] if answers.shape[-1] == 1 else answers)
+
+    def _check(self, told: Tensor | None, batch: int) -> None:
+        if told is None or told.ndim != 4 or told.shape[0] != batch or told.shape[2:] != (4, 4):
+            got = "none" if told is None else str(tuple(told.shape))
+            raise ConfigError(f"network {self.settings.kind}: got poses {got}, wanted ({batch}, candidates, 4, 4)")
+
+
+class Look(nn.Module):
+    """What each candidate sees of the points: the maximum of a layer on what a point is and where it would stand.
+
+    Shapes: features (B, M, C), places (B, V, M, 3) to (B, V, out). Where a point would stand in the image goes in beside where it
+    stands in space: x / z and y / z with z kept over 5 cm.
+    """
+
+    def __init__(self, channels: int, between: int, outputs: int) -> None:
+        """Take the channels of a point, of what is kept of each, and of the result."""
+        super().__init__()
+        self.what = nn.Linear(channels, between)
+        self.where = nn.Sequential(nn.Linear(5, between), nn.ReLU(), nn.Linear(between, between, bias=False))
+        self.after = nn.Linear(between, outputs)
+
+    def forward(self, features: Tensor, places: Tensor) -> Tensor:
+        """Return what each candidate sees."""
+        image = (places[..., :2] / places[..., 2:].clamp(min=0.05)).clamp(-3.0, 3.0)
+        each = torch.relu(self.what(features)[:, None] + self.where(torch.cat((places, image), dim=-1)))
+        return torch.as_tensor(self.after(each.amax(2)))

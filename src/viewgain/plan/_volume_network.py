@@ -1,0 +1,95 @@
+"""A trained network that says how well a box's volume would be measured from each candidate, and the mean of it and the model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viewgain.arrays import Poses, Vector
+from viewgain.geometry import inverse
+from viewgain.inference import PoseScorer
+from viewgain.plan._belief import Belief
+from viewgain.plan._doubt import chances_of_best
+from viewgain.plan._expected import ExpectedErrorPolicy
+from viewgain.plan._policy import Assessment
+from viewgain.plan._views import Seen, ViewPolicy
+from viewgain.scans import Scan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VolumeNetworkPolicy:
+    """Scores candidates by a network of kind ``pose_scores`` from the last scan, whole and as the camera sees it.
+
+    It knows no rig and measures nothing, so it answers where no box can be measured too.
+    """
+
+    scorer: PoseScorer
+    """The network."""
+    name: str = "network"
+
+    def scores(self, seen: Seen) -> Vector:
+        """Return (V,) minus the expected errors; NaN where the last scan showed next to nothing."""
+        return self.assessed(seen)[0]
+
+    def assessed(self, seen: Seen) -> tuple[Vector, Vector | None]:
+        """Return (V,) scores and their (V,) standard deviations, where the network gives any; NaN as :meth:`scores`."""
+        here = seen.scans[-1].camera_to_world if seen.scans else None
+        if here is None:
+            return np.full(len(seen.candidates), np.nan), None
+        answer = self.scorer.assessed(seen.scans[-1].points, inverse(here) @ seen.candidates)
+        return answer.scores, answer.sigma
+
+    def confidence(self, seen: Seen) -> float:
+        """Return the probability that its best candidate is the best, by its own standard deviations; NaN without them."""
+        scores, sigma = self.assessed(seen)
+        if sigma is None or not np.all(np.isfinite(scores)):
+            return float("nan")
+        return float(chances_of_best(scores, sigma).max())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeanPolicy:
+    """The weighted mean of two policies that score in the same unit up to a constant; where one has no opinion the other decides.
+
+    The model-based policy and a network of volumes both score by minus the expected relative error. The model is exact where the
+    box was measured, and silent or a guess where it was not; the network has seen what usually stands behind such a scan.
+    """
+
+    first: ViewPolicy
+    second: ViewPolicy
+    weight: float = 0.5
+    """Of the first."""
+    name: str = "combined"
+
+    def scores(self, seen: Seen) -> Vector:
+        """Return (V,) means of the scores that are there; NaN where none is."""
+        one, two = self.first.scores(seen), self.second.scores(seen)
+        mean = self.weight * one + (1 - self.weight) * two
+        return np.where(np.isnan(one), two, np.where(np.isnan(two), one, mean))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VolumeNetworkAboutBox:
+    """The network where :func:`viewgain.plan.next_view` asks about a box, alone or in the mean with the model.
+
+    Scores are 1 minus the expected error after the candidate, so what next_view makes of nearly equal scores holds for them too.
+    """
+
+    scorer: PoseScorer
+    """The network."""
+    scan: Scan
+    """The camera as it stands."""
+    model: ExpectedErrorPolicy | None = None
+    """The model-based policy to take the mean with; None for the network alone."""
+
+    @property
+    def name(self) -> str:
+        """Says who decides."""
+        return "network" if self.model is None else "combined"
+
+    def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
+        """Return one assessment per candidate, (v, 4, 4) ``camera_to_current``."""
+        scores = 1 + self.scorer.assessed(self.scan.points, candidates).scores
+        if self.model is not None:
+            by_model = np.array([each.score for each in self.model.assess(belief, candidates, tolerance)])
+            scores = (scores + by_model) / 2
+        return tuple(Assessment(float(score), None, None) for score in scores)

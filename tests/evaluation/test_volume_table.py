@@ -1,0 +1,112 @@
+"""The table of volume planners from runs that are made up, and boxes from seeds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from viewgain.errors import ConfigError, DataError
+from viewgain.evaluation import (
+    Choice,
+    VolumeRun,
+    VolumeSettings,
+    check_volume_policies,
+    volume_case,
+    volume_markdown,
+    volume_table,
+)
+
+SETTINGS = VolumeSettings(captures=6)
+POLICIES = ("wise", "random", "constant", "oracle")
+
+
+def run_of(number: int, best: int, *, chosen: int, present: int = 0) -> VolumeRun:
+    """Return a box of which one position measures well, another nearly as well, and two miss."""
+    rng = np.random.default_rng(number)
+    errors = np.full((4, 12), np.nan)
+    errors[best] = rng.normal(0.05, 0.002, 12)
+    errors[(best + 1) % 4] = rng.normal(0.065, 0.002, 12)
+    return VolumeRun(
+        number=number, size=(0.3, 0.2, 0.1), present=present, reachable=np.ones(4, dtype=bool), errors=errors,
+        choices={"wise": Choice(chosen, number > 0)}, milliseconds={"wise": 5.0},
+    )  # fmt: skip
+
+
+def test_the_rows_say_what_was_chosen() -> None:
+    runs = [run_of(0, 0, chosen=0), run_of(1, 0, chosen=0), run_of(2, 0, chosen=1), run_of(3, 2, chosen=0)]
+    table = volume_table(SETTINGS, runs, POLICIES)
+    rows = {row.name: row for row in table.rows}
+    assert list(rows) == ["wise", "uniform guess", "constant position", "constant offset", "oracle"]
+    assert rows["wise"].shares.mean[:2] == (0.5, 0.75)
+    assert rows["wise"].shares.mean[2] == pytest.approx((0.05 + 0.05 + 0.065 + 1) / 4, abs=0.003)
+    assert (rows["wise"].undecided, rows["wise"].milliseconds) == (1, 5.0)
+    assert rows["uniform guess"].shares.mean[:2] == (0.25, 0.5)
+    assert rows["constant position"].shares.mean[0] == 0.75
+    assert rows["oracle"].shares.mean[:2] == (1.0, 1.0)
+    assert table.ceiling.mean == (1.0, 1.0)
+    assert rows["wise"].of_ceiling.value == pytest.approx(0.5)
+    assert rows["oracle"].to_oracle.value == pytest.approx(1.0)
+    assert (table.missed, table.best, table.no_choice) == (0.5, 1.0, 0)
+    text = volume_markdown(table)
+    assert "| wise | 50.0 (" in text
+    assert "| uniform guess | 25.0 (25.0 to 25.0) |" in text
+
+
+def test_the_constant_offset_counts_from_the_present_position() -> None:
+    runs = [run_of(number, best=(number + 2) % 4, chosen=0, present=number % 4) for number in range(8)]
+    rows = {row.name: row for row in volume_table(SETTINGS, runs, POLICIES).rows}
+    assert rows["constant offset"].shares.mean[0] == 1.0
+    assert rows["constant position"].shares.mean[0] < 0.5
+
+
+def test_a_table_wants_two_boxes_and_is_plain_json() -> None:
+    with pytest.raises(DataError, match="2 or more"):
+        volume_table(SETTINGS, [run_of(0, 0, chosen=0)], POLICIES)
+    perfect = [
+        replace(run_of(number, 0, chosen=1), errors=np.array([[0.0] * 12, [0.5] * 12, [0.5] * 12, [0.5] * 12]))
+        for number in (0, 1)
+    ]
+    content = volume_table(SETTINGS, perfect, POLICIES).to_dict()
+    assert content["rows"][0]["to_oracle"]["value"] is None
+
+
+def test_a_box_depends_on_seed_and_number_alone() -> None:
+    one, other = volume_case(SETTINGS, 3), volume_case(replace(SETTINGS, captures=9, estimator="lines_mended"), 3)
+    assert np.array_equal(one.box.extents, other.box.extents)
+    assert (one.present, one.scans.seed) == (other.present, other.scans.seed)
+    assert not np.array_equal(one.box.extents, volume_case(SETTINGS, 4).box.extents)
+    assert not np.array_equal(one.box.extents, volume_case(replace(SETTINGS, seed=1), 3).box.extents)
+
+
+def test_boxes_leave_a_choice_and_lie_within_their_sizes() -> None:
+    cases = [volume_case(replace(SETTINGS, side=(0.4, 0.9)), number) for number in range(30)]
+    assert all(case.reachable.sum() >= 2 and case.reachable[case.present] for case in cases)
+    sides = np.stack([case.box.extents for case in cases])
+    assert 0.4 <= sides.min() < sides.max() <= 0.9
+    with pytest.raises(ConfigError, match="two positions"):
+        volume_case(replace(SETTINGS, side=(4.0, 4.0)), 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"seed": -1}, "seed -1"),
+        ({"captures": 1}, "1 captures"),
+        ({"side": (0.5, 0.2)}, "sides"),
+        ({"estimator": "guess"}, "estimator"),
+        ({"fused": True, "estimator": "lines_mended"}, "cannot fuse"),
+        ({"rig": "nowhere"}, "rig 'nowhere'"),
+        ({"camera": "eye"}, "camera 'eye'"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(change: dict[str, object], words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        VolumeSettings(**change)  # type: ignore[arg-type]
+
+
+def test_unknown_policies_are_refused() -> None:
+    check_volume_policies(("model", "network:some.onnx"))
+    with pytest.raises(ConfigError, match="'best' is not known"):
+        check_volume_policies(("best",))
+    with pytest.raises(ConfigError, match="each once"):
+        check_volume_policies(("model", "model"))

@@ -1,0 +1,77 @@
+"""Networks for volume from data to file: views that differ in number, what cannot be reached, and the planner that uses them."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from tests.datasets.engines import Inline
+from viewgain.cli import main
+from viewgain.datasets import Dataset, build, plan_of, recipe
+from viewgain.errors import DataError
+from viewgain.training import Batches, load_examples, training_recipe
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six boxes on random rigs of three to five stations."""
+    folder = tmp_path_factory.mktemp("data") / "volume"
+    build(plan_of(recipe("volume_random_tiny")), folder, engine=Inline())
+    return folder
+
+
+def test_examples_hold_every_candidate_with_its_pose(data: Path) -> None:
+    settings = training_recipe("volume_tiny").data
+    opened = Dataset(data)
+    examples = load_examples(opened, settings, views=5, seed=0, with_poses=True)
+    assert examples.candidates is not None
+    assert examples.valid is not None
+    assert len(examples) == len(opened)
+    for index in range(len(opened)):
+        sample, count = opened[index], len(opened[index].candidates)
+        assert examples.valid[index, :count].numpy().tolist() == sample.reachable.tolist()
+        assert not examples.valid[index, count:].any()
+        own = examples.targets[index, :count][examples.valid[index, :count]].numpy()
+        assert own == pytest.approx(sample.targets["volume_alone"][sample.reachable])
+        assert examples.candidates[index, :count].numpy() == pytest.approx(sample.candidates)
+    assert torch.all(examples.targets[~examples.valid] < -1)
+    with pytest.raises(DataError, match="wanted at most 3"):
+        load_examples(opened, settings, views=3, seed=0, with_poses=True)
+    batches = Batches(examples, settings, rows=np.arange(len(examples)), batch=4, points=32, uses_state=False, seed=1)
+    first, again = batches.at(3), batches.at(3)
+    assert first.told is not None
+    assert first.told.shape == (4, 5, 4, 4)
+    assert torch.equal(first.told, again.told if again.told is not None else torch.zeros(0))
+
+
+def test_a_network_is_trained_exported_and_asked_on_fresh_boxes(
+    data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run, file = tmp_path / "run", tmp_path / "volume.onnx"
+    assert main(["train", "volume_tiny", "--data", str(data), "--out", str(run)]) == 0
+    assert main(["export", str(run), "--out", str(file)]) == 0
+    record = json.loads((run / "run.json").read_text())
+    assert 0 < record["facts"]["floors"]["view at random"]["exact"] <= 1
+    capsys.readouterr()
+    arguments = ["--boxes", "2", "--captures", "2", "--estimator", "lines_published", "--side", "0.2", "0.4", "--seed", "8"]
+    policies = ["--policies", f"network:{file}", f"combined:{file}", "random"]
+    assert main(["evaluate", "volume", "--json", *arguments, *policies]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert [row["name"] for row in table["rows"]] == [*policies[1:3], "uniform guess"]
+    assert all(row["undecided"] == 0 for row in table["rows"])
+    assert 0 < table["rows"][0]["milliseconds"] < table["rows"][1]["milliseconds"]
+    assert main(["simulate", "--out", str(tmp_path / "scans"), "--seed", "3"]) == 0
+    scan = next((tmp_path / "scans").rglob("*.npz"))
+    capsys.readouterr()
+    ranked = {}
+    for policy in ("network", "combined"):
+        assert main(["next", str(scan), "--policy", policy, "--model", str(file), "--json"]) == 0
+        ranked[policy] = json.loads(capsys.readouterr().out)
+        assert (ranked[policy]["policy"], len(ranked[policy]["candidates"])) == (policy, 8)
+    assert ranked["network"]["candidates"] != ranked["combined"]["candidates"]
+    assert main(["next", str(scan), "--policy", "network"]) == 2
+    assert "wanted one that was trained for volumes" in capsys.readouterr().err
+    assert main(["evaluate", "volume", *arguments, "--policies", "network:nowhere.onnx"]) == 2
+    assert "no such file" in capsys.readouterr().err
