@@ -22,20 +22,17 @@ def error_histograms(errors: Mapping[int, Array], estimator: str, path: Path) ->
     FigureCanvasAgg(figure)
     grid = figure.subplots(len(errors), positions, sharex=True, sharey="row", squeeze=False)
     edges = np.linspace(-_LIMIT, _LIMIT, _BINS + 1)
-    for row, (number, own) in zip(grid, errors.items(), strict=True):
+    for place, (row, (number, own)) in enumerate(zip(grid, errors.items(), strict=True)):
         for position, (axes, view) in enumerate(zip(row, own, strict=True)):
             found = view[np.isfinite(view)]
-            plain_axes(axes)
+            plain_axes(axes, "volume error, %" if place == len(grid) - 1 else "", f"box {number}\nshare" if position == 0 else "")
             axes.hist(
                 100 * np.clip(found, -_LIMIT, _LIMIT), 100 * edges, weights=np.full(len(found), 1 / len(view)), color=_COLOUR
             )
             axes.axvline(0, color=INK, linewidth=0.6)
             axes.text(0.98, 0.9, f"no estimate {1 - len(found) / len(view):.0%}", transform=axes.transAxes, ha="right", va="top",
                       fontsize=SMALL, color=FAINT)  # fmt: skip
-            if row is grid[0]:
+            if place == 0:
                 axes.set_title(f"position {position}", fontsize=SMALL, color=INK)
-            if row is grid[-1]:
-                axes.set_xlabel("volume error, %", fontsize=SMALL)
-        row[0].set_ylabel(f"box {number}\nshare", fontsize=SMALL)
     figure.suptitle(f"Volume error by {estimator.replace('_', ', ')}; outermost bins: beyond 50 %", fontsize=SMALL + 1, color=INK)
     path.write_bytes(to_png(figure))
