@@ -48,7 +48,8 @@ class LossSettings:
             )
         weights = (self.weight_decay, self.ranking_weight, self.presence_weight, self.evidence_weight)
         if self.temperature <= 0 or min(weights) < 0:
-            raise ConfigError("loss: wanted a temperature over 0, and all weights of 0 or more")
+            names = "weight_decay, ranking_weight, presence_weight and evidence_weight"
+            raise ConfigError(f"loss: wanted a temperature over 0, and {names} of 0 or more")
 
 
 def score_loss(output: Tensor, target: Tensor, settings: LossSettings, *, valid: Tensor | None = None) -> Tensor:

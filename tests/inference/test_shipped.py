@@ -1,0 +1,39 @@
+"""The weights in the package: they load, say what they are, are small, and choose better than answers without learning."""
+
+import json
+
+import pytest
+
+from viewgain.cli import main
+from viewgain.inference import Scorer, find_model, shipped_models
+
+LARGEST, ALL = 8e6, 40e6
+"""Bytes of one file, and of all together."""
+
+
+def test_each_is_small_and_its_card_says_what_it_learned_from_and_how_good_it_is() -> None:
+    names = shipped_models()
+    assert {"compact-pcnbv16-object", "compact_view-pcnbv16-object", "compact-pcnbv16-camera"} <= set(names)
+    assert sum(find_model(name).stat().st_size for name in names) < ALL
+    for name in names:
+        assert find_model(name).stat().st_size < LARGEST
+        card = Scorer.load(name).card
+        assert f"{card.kind}-{card.rig}-{card.frame}" == name
+        assert all(source.licence == "Apache-2.0" for source in card.trained_on)
+        assert card.metrics
+        assert all(metric.floors for metric in card.metrics)
+        text = find_model(name).with_suffix(".md").read_text(encoding="utf-8")
+        assert card.rig in text
+        assert "Apache-2.0" in text
+
+
+@pytest.mark.slow
+def test_on_fresh_objects_they_choose_far_better_than_the_constant_answer(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["evaluate", "table1", "--fresh", "1", "--seed", "5", "--json"]) == 0
+    tables = [json.loads(line) for line in capsys.readouterr().out.splitlines() if line.startswith("{")]
+    assert {table["frame"] for table in tables} == {"object", "camera"}
+    for table in tables:
+        exact = {row["name"]: row["shares"]["mean"][0] for row in table["rows"]}
+        learned = [share for name, share in exact.items() if name in shipped_models()]
+        assert learned
+        assert min(learned) > exact["constant answer"] + 0.05
