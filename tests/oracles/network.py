@@ -93,7 +93,7 @@ def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Te
     asks = network.queries
     views = []
     for k, query in enumerate(asks.view):
-        told = cloud if view_state is None else torch.cat((cloud, view_state[k : k + 1]))
+        told = cloud if view_state is None else torch.cat((cloud, view_state, view_state[k : k + 1]))
         views.append(query + asks.whole(told))
     found = torch.stack(views)
     found = found + ask(asks.ask[0], found, coarse)

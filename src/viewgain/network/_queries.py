@@ -12,15 +12,15 @@ class ViewQueries(nn.Module):
 
     Shapes: cloud (B, S), coarse (B, M, C), fine (B, L, D) and a view state (B, V) or None to (B, V, width).
 
-    Source: attention as in Vaswani et al. 2017; one learned query per view, ours. A query knows of its own view whether it was
-    visited; which of the views that is, it has learned.
+    Source: attention as in Vaswani et al. 2017; one learned query per view, ours. A query knows which views were visited, and
+    whether its own was; which of the views that is, it has learned.
     """
 
     def __init__(self, views: int, width: int, *, cloud: int, coarse: int, fine: int, told: bool) -> None:
         """Take V, the channels of a query and of what it asks, and whether there is a view state."""
         super().__init__()
         self.view = nn.Parameter(torch.empty(views, width))
-        self.whole = nn.Linear(cloud + (1 if told else 0), width)
+        self.whole = nn.Linear(cloud + (views + 1 if told else 0), width)
         self.ask = nn.ModuleList((Ask(width, coarse), Ask(width, fine)))
         self.think = nn.Sequential(nn.Linear(width, 2 * width), nn.ReLU(), nn.Linear(2 * width, width))
 
@@ -28,7 +28,8 @@ class ViewQueries(nn.Module):
         """Return what each view has learned."""
         known = cloud[:, None].expand(-1, len(self.view), -1)
         if view_state is not None:
-            known = torch.cat((known, view_state[..., None]), dim=-1)
+            everywhere = view_state[:, None].expand(-1, len(self.view), -1)
+            known = torch.cat((known, everywhere, view_state[..., None]), dim=-1)
         views = self.view + self.whole(known)
         views = views + self.ask[0](views, coarse)
         views = views + self.think(views)
