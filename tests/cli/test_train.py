@@ -96,6 +96,8 @@ def test_two_processes_make_the_steps_of_one(data: Dataset, tmp_path: Path) -> N
     assert done.stdout.count("ended after 8 steps") == 1
     one, two = (read_checkpoint(tmp_path / name / "checkpoints" / "step-000000008.safetensors") for name in ("one", "two"))
     for name, tensor in one.part("model").items():
+        if name.endswith("key.bias"):
+            continue  # softmax does not see it: its gradient is rounding alone, which Adam makes whole steps of
         # The mean of two means is rounded otherwise than one mean, and Adam's first steps are as long for small gradients.
         torch.testing.assert_close(two.part("model")[name], tensor, rtol=0, atol=2e-4, msg=name)
     assert [step for step, _ in curve(tmp_path / "two")] == [step for step, _ in curve(tmp_path / "one")]
