@@ -4,6 +4,7 @@ One process alone is the same thing with one member, so the loop does not ask. `
 """
 
 import os
+import sys
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -89,7 +90,9 @@ class Torchrun:
         return float(tensor) / self.size
 
     def close(self) -> None:
-        """Leave the group."""
+        """Leave the group, all together: a process that goes while another still talks to it takes that one down."""
+        if sys.exc_info()[0] is None:  # after an error the others may be elsewhere, and would be waited for in vain
+            distributed.barrier()
         distributed.destroy_process_group()
 
 
