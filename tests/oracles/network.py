@@ -86,8 +86,8 @@ def ask(block: nn.Module, queries: Tensor, points: Tensor) -> Tensor:
 def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Tensor:
     """Return the (outputs,) of one cloud (n, 3), view state (V,) or None."""
     points = points[torch.argsort(points @ torch.tensor([0.61, 0.41, 0.73], dtype=points.dtype))]
-    near, fine = set_abstraction(network.fine, points, network.lift(points))
-    far, coarse = set_abstraction(network.coarse, near, fine)
+    near, fine = set_abstraction(network.hierarchy.fine, points, network.hierarchy.lift(points))
+    far, coarse = set_abstraction(network.hierarchy.coarse, near, fine)
     fine, coarse = torch.cat((fine, near), dim=-1), torch.cat((coarse, far), dim=-1)
     cloud = torch.relu(network.cloud(torch.relu(network.wide(coarse).max(dim=0).values)))
     asks = network.queries
@@ -96,9 +96,9 @@ def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Te
         told = cloud if view_state is None else torch.cat((cloud, view_state, view_state[k : k + 1]))
         views.append(query + asks.whole(told))
     found = torch.stack(views)
-    found = found + ask(asks.ask[0], found, coarse)
-    found = found + asks.think(found)
-    answers = network.head(torch.relu(found + ask(asks.ask[1], found, fine)))
+    found = found + ask(asks.inquiry.coarse, found, coarse)
+    found = found + asks.inquiry.think(found)
+    answers = network.head(torch.relu(found + ask(asks.inquiry.fine, found, fine)))
     if view_state is None:
         chances = torch.softmax(answers[:, -1], dim=0)
         answers = sum(chance * torch.roll(answers[:, :-1], -view, dims=0) for view, chance in enumerate(chances))

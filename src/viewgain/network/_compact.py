@@ -8,9 +8,9 @@ their surroundings, and then every candidate view asks those points what it woul
 import torch
 from torch import Tensor, nn
 
-from viewgain.network._abstraction import SetAbstraction
+from viewgain.network._hierarchy import Hierarchy
 from viewgain.network._inputs import ScoreNetwork
-from viewgain.network._neighbours import in_order, unrepeated
+from viewgain.network._neighbours import unrepeated
 from viewgain.network._output import outputs_of, shaped
 from viewgain.network._queries import ViewQueries
 from viewgain.network._settings import NetworkSettings
@@ -23,10 +23,7 @@ class Compact(ScoreNetwork):
         """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
         super().__init__(settings)
         width, views, told = settings.width, settings.views, settings.with_view_state
-        many, few = settings.centres
-        self.lift = nn.Sequential(nn.Linear(3, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU())
-        self.fine = SetAbstraction(width, 2 * width, 4 * width, centres=many, neighbours=settings.neighbours)
-        self.coarse = SetAbstraction(4 * width, 4 * width, 8 * width, centres=few, neighbours=settings.neighbours)
+        self.hierarchy = Hierarchy(settings)
         self.wide = nn.Linear(8 * width + 3, 16 * width)
         self.cloud = nn.Linear(16 * width, 8 * width)
         self.queries = ViewQueries(views, 4 * width, cloud=8 * width, coarse=8 * width + 3, fine=4 * width + 3, told=told)
@@ -52,12 +49,9 @@ class Compact(ScoreNetwork):
 
     def _answers(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return (B, V, each) what the head says of each view; without the view state one more, the logit of its presence."""
-        points, number = in_order(points, mask)
-        fine_points, fine = self.fine(points, self.lift(points), number)
-        coarse_points, coarse = self.coarse(fine_points, fine, torch.full_like(number, fine.shape[1]))
-        near, far = torch.cat((fine, fine_points), dim=-1), torch.cat((coarse, coarse_points), dim=-1)
-        cloud = torch.relu(self.cloud(torch.relu(self.wide(far).amax(1))))
-        return torch.as_tensor(self.head(self.queries(cloud, far, near, view_state)))
+        levels = self.hierarchy(points, mask)
+        cloud = torch.relu(self.cloud(torch.relu(self.wide(levels.far).amax(1))))
+        return torch.as_tensor(self.head(self.queries(cloud, levels.far, levels.near, view_state)))
 
     def _shaped(self, answers: Tensor) -> Tensor:
         return shaped(answers.transpose(1, 2).reshape(-1, self.each * self.settings.views), self.settings)

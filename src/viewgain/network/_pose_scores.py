@@ -8,11 +8,10 @@ import torch
 from torch import Tensor, nn
 
 from viewgain.errors import ConfigError
-from viewgain.network._abstraction import SetAbstraction
+from viewgain.network._hierarchy import Hierarchy
 from viewgain.network._inputs import ScoreNetwork
-from viewgain.network._neighbours import in_order
 from viewgain.network._output import NUMBERS
-from viewgain.network._queries import Ask
+from viewgain.network._queries import Inquiry
 from viewgain.network._settings import NetworkSettings
 
 NUMBERS_OF_A_POSE = 12
@@ -29,33 +28,24 @@ class PoseScores(ScoreNetwork):
         """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
         super().__init__(settings)
         width = settings.width
-        many, few = settings.centres
-        self.lift = nn.Sequential(nn.Linear(3, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU())
-        self.fine = SetAbstraction(width, 2 * width, 4 * width, centres=many, neighbours=settings.neighbours)
-        self.coarse = SetAbstraction(4 * width, 4 * width, 8 * width, centres=few, neighbours=settings.neighbours)
+        self.hierarchy = Hierarchy(settings)
         self.wide = nn.Linear(8 * width + 3, 8 * width)
         self.pose = nn.Sequential(nn.Linear(NUMBERS_OF_A_POSE, 4 * width), nn.ReLU(), nn.Linear(4 * width, 4 * width))
         self.whole = nn.Linear(8 * width, 4 * width)
         self.look = Look(4 * width, 2 * width, 4 * width)
-        self.ask = nn.ModuleList((Ask(4 * width, 8 * width + 3), Ask(4 * width, 4 * width + 3)))
-        self.think = nn.Sequential(nn.Linear(4 * width, 8 * width), nn.ReLU(), nn.Linear(8 * width, 4 * width))
+        self.inquiry = Inquiry(4 * width, coarse=8 * width + 3, fine=4 * width + 3)
         self.head = nn.Sequential(nn.Linear(4 * width, 4 * width), nn.ReLU(), nn.Linear(4 * width, NUMBERS[settings.uncertainty]))
 
     def scored(self, points: Tensor, mask: Tensor, told: Tensor | None) -> Tensor:
         """Return the scores (B, V), with uncertainty (B, V, 2) or (B, V, 4)."""
         assert told is not None  # the check of inputs has made sure of it
-        points, number = in_order(points, mask)
-        fine_points, fine = self.fine(points, self.lift(points), number)
-        coarse_points, coarse = self.coarse(fine_points, fine, torch.full_like(number, fine.shape[1]))
-        near, far = torch.cat((fine, fine_points), dim=-1), torch.cat((coarse, coarse_points), dim=-1)
-        cloud = torch.relu(self.wide(far)).amax(1)
+        levels = self.hierarchy(points, mask)
+        cloud = torch.relu(self.wide(levels.far)).amax(1)
         turns, places = told[..., :3, :3], told[..., :3, 3]
         views = self.pose(torch.cat((turns.flatten(2), places), dim=-1)) + self.whole(cloud)[:, None]
-        seen = (fine_points[:, None] - places[:, :, None]) @ turns  # (B, V, M, 3) in each candidate's camera
-        views = views + self.look(fine, seen)
-        views = views + self.ask[0](views, far)
-        views = views + self.think(views)
-        answers = self.head(torch.relu(views + self.ask[1](views, near)))
+        seen = (levels.fine_points[:, None] - places[:, :, None]) @ turns  # (B, V, M, 3) in each candidate's camera
+        views = views + self.look(levels.fine, seen)
+        answers = self.head(self.inquiry(views, levels.far, levels.near))
         return torch.as_tensor(answers[..., 0] if answers.shape[-1] == 1 else answers)
 
     def _check(self, told: Tensor | None, batch: int) -> None:

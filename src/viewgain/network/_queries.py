@@ -21,8 +21,7 @@ class ViewQueries(nn.Module):
         super().__init__()
         self.view = nn.Parameter(torch.empty(views, width))
         self.whole = nn.Linear(cloud + (views + 1 if told else 0), width)
-        self.ask = nn.ModuleList((Ask(width, coarse), Ask(width, fine)))
-        self.think = nn.Sequential(nn.Linear(width, 2 * width), nn.ReLU(), nn.Linear(2 * width, width))
+        self.inquiry = Inquiry(width, coarse=coarse, fine=fine)
 
     def forward(self, cloud: Tensor, coarse: Tensor, fine: Tensor, view_state: Tensor | None) -> Tensor:
         """Return what each view has learned."""
@@ -30,10 +29,23 @@ class ViewQueries(nn.Module):
         if view_state is not None:
             everywhere = view_state[:, None].expand(-1, len(self.view), -1)
             known = torch.cat((known, everywhere, view_state[..., None]), dim=-1)
-        views = self.view + self.whole(known)
-        views = views + self.ask[0](views, coarse)
-        views = views + self.think(views)
-        return torch.as_tensor(torch.relu(views + self.ask[1](views, fine)))
+        return torch.as_tensor(self.inquiry(self.view + self.whole(known), coarse, fine))
+
+
+class Inquiry(nn.Module):
+    """Queries (B, V, Q) ask the coarse points (B, M, C), think, and ask the fine ones (B, L, D): (B, V, Q)."""
+
+    def __init__(self, width: int, *, coarse: int, fine: int) -> None:
+        """Take Q, C and D."""
+        super().__init__()
+        self.coarse, self.fine = Ask(width, coarse), Ask(width, fine)
+        self.think = nn.Sequential(nn.Linear(width, 2 * width), nn.ReLU(), nn.Linear(2 * width, width))
+
+    def forward(self, queries: Tensor, coarse: Tensor, fine: Tensor) -> Tensor:
+        """Return what each query has learned."""
+        queries = queries + self.coarse(queries, coarse)
+        queries = queries + self.think(queries)
+        return torch.relu(queries + self.fine(queries, fine))
 
 
 class Ask(nn.Module):

@@ -105,22 +105,22 @@ def _stacked(
     points = np.zeros((count, held, 3), dtype=np.float16)
     counts, present, objects = (np.zeros(count, dtype=np.int64) for _ in range(3))
     states, targets = np.zeros((count, views), dtype=bool), np.zeros((count, views), dtype=np.float32)
-    candidates, valid = np.tile(np.eye(4, dtype=np.float32), (count, views, 1, 1)), np.zeros((count, views), dtype=bool)
+    valid = np.zeros((count, views), dtype=bool)
+    candidates = np.tile(np.eye(4, dtype=np.float32), (count if with_poses else 0, views, 1, 1))
     for row, index in enumerate(chosen.tolist()):
         sample = data[index].in_frame(settings.frame)
         _check_sample(data, index, sample, views, at_most=with_poses)
         drawn = np.random.default_rng([seed, _RESIDENT, index]).permutation(len(sample.points))[:held]
         counts[row], objects[row] = len(drawn), sample.object
         points[row, : len(drawn)] = sample.points[drawn]
-        if with_poses:
-            own = slice(len(sample.candidates))
-            states[row, own], targets[row, own] = sample.state, sample.targets[settings.target]
-            candidates[row, own], valid[row, own] = sample.candidates, sample.reachable
-            continue
-        present[row] = sample.view
+        # A network that is told poses needs no order of the rig: candidates stay as they lie, the present one first.
+        own, view = slice(len(sample.candidates)), 0 if with_poses else sample.view
+        present[row] = view
         # What a box measures from here a second scan may measure better: of whole scans the present view is not used up.
-        states[row] = np.roll(sample.state, sample.view) & (not settings.whole_scan)
-        targets[row] = np.roll(sample.targets[settings.target], sample.view)
+        states[row, own] = np.roll(sample.state, view) & (with_poses or not settings.whole_scan)
+        targets[row, own] = np.roll(sample.targets[settings.target], view)
+        if with_poses:
+            candidates[row, own], valid[row, own] = sample.candidates, sample.reachable
     most = int(counts.max())
     tensors = {"points": points[:, :most], "counts": counts, "views": present, "states": states, "targets": targets}
     if with_poses:
