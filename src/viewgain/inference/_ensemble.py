@@ -7,15 +7,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from viewgain.arrays import Points, Vector
+from viewgain.arrays import Points
 from viewgain.errors import ConfigError
 from viewgain.inference._card import FrameName, ModelCard
 from viewgain.inference._normalise import Bounds
-from viewgain.inference._scorer import Scorer, Scores
+from viewgain.inference._scorer import Scorer
+from viewgain.inference._scores import CloudScorer, Scores
 
 
-class Ensemble:
-    """The equal mixture of what its members say, used as a :class:`Scorer`.
+class Ensemble(CloudScorer):
+    """The equal mixture of what its members say, asked like one of them.
 
     Score: the mean of the members' scores. Variance: the mean of their variances, where they give any, plus the mean squared
     distance of their scores from the mean. One member alone is itself.
@@ -55,20 +56,8 @@ class Ensemble:
         return replace(first, name=names, uncertainty=True, parameters=parameters)
 
     def refusal(self, *, frame: FrameName | None = None, rig: str | None = None) -> str | None:
-        """Return why the networks do not fit, or None; arguments as :meth:`Scorer.refusal`."""
+        """Return why the networks do not fit, or None; arguments as :meth:`CloudScorer.refusal`."""
         return self.members[0].refusal(frame=frame, rig=rig)
-
-    def scores(
-        self,
-        points: Points,
-        view_state: ArrayLike | None = None,
-        *,
-        bounds: Bounds | None = None,
-        frame: FrameName | None = None,
-        seed: int = 0,
-    ) -> Vector:
-        """Return (V,) mean scores; arguments and errors as :meth:`Scorer.assessed`."""
-        return self.assessed(points, view_state, bounds=bounds, frame=frame, seed=seed).scores
 
     def assessed(
         self,
@@ -79,7 +68,7 @@ class Ensemble:
         frame: FrameName | None = None,
         seed: int = 0,
     ) -> Scores:
-        """Return mean scores and the standard deviations of the mixture; arguments and errors as :meth:`Scorer.assessed`."""
+        """Return mean scores and the standard deviations of the mixture; arguments and errors as :meth:`CloudScorer.assessed`."""
         said = [member.assessed(points, view_state, bounds=bounds, frame=frame, seed=seed) for member in self.members]
         if len(said) == 1:
             return said[0]

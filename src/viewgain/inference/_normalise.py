@@ -89,6 +89,26 @@ def _onto_axis(centre: Vector3) -> Rotation:
     return rotation_from_rotvec(axis / max(sine, 1e-12) * np.arctan2(sine, cosine))
 
 
+def checked(points: Points, card: ModelCard) -> Points:
+    """Return (n, 3) points as numbers.
+
+    Raises:
+        ScanError: If there are none, or some are not finite.
+    """
+    cloud = np.asarray(points, dtype=float)
+    if cloud.ndim != 2 or cloud.shape[1] != 3 or len(cloud) == 0 or not np.all(np.isfinite(cloud)):
+        raise ScanError(f"network {card.name}: got points {cloud.shape}, wanted (n, 3) finite ones, n of 1 or more")
+    return cloud
+
+
+def padded(points: NDArray[Any], card: ModelCard, *, rng: np.random.Generator) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Return (1, N, 3) points and (1, N) which are real, N as the card says: thinned where there are more, padded where fewer."""
+    kept = points[thinned(points, card.points, card.sampling, rng=rng)]
+    cloud = np.zeros((1, card.points, 3), dtype=np.float32)
+    cloud[0, : len(kept)] = kept
+    return cloud, np.arange(card.points)[None] < len(kept)
+
+
 def thinned(points: NDArray[Any], count: int, sampling: Sampling, *, rng: np.random.Generator) -> NDArray[np.intp]:
     """Return the sorted indices of at most ``count`` of (n, 3) points, no place twice.
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from viewgain.arrays import Points, Pose, Poses, Vector3
 from viewgain.errors import ConfigError, ScanError
 from viewgain.geometry import inverse, pose, rotation_from_rotvec, transform
-from viewgain.inference import Bounds, Ensemble, FrameName, Scorer
+from viewgain.inference import Bounds, CloudScorer, FrameName
 from viewgain.measure import find_floors, range_image, sensor_of
 from viewgain.plan._belief import Belief, floor_pose
 from viewgain.plan._doubt import chances_of_best
@@ -32,7 +32,7 @@ class NetworkPolicy:
     the station nearest to the camera's direction.
     """
 
-    scorer: Scorer | Ensemble
+    scorer: CloudScorer
     """The network, or several."""
     scan: Scan
     """The camera as it stands."""
