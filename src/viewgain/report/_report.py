@@ -98,11 +98,9 @@ def write_training_picture(lines: Sequence[Mapping[str, Any]], path: Path) -> Pa
         ConfigError: If ``path`` cannot be written.
     """
     require_extra()
-    from viewgain.report._style import to_png
     from viewgain.report._training_picture import training_figure
 
-    write_whole(path, to_png(training_figure(lines)))
-    return path
+    return _saved(training_figure(lines), path)
 
 
 def write_coverage_picture(tables: Sequence[CoverageTable], path: Path) -> Path:
@@ -119,14 +117,10 @@ def write_coverage_picture(tables: Sequence[CoverageTable], path: Path) -> Path:
         MissingExtraError: If matplotlib or jinja2 is not installed.
         ConfigError: If there is no table, or ``path`` cannot be written.
     """
-    if not tables:
-        raise ConfigError("picture: got no table, wanted at least one")
-    require_extra()
+    _require_tables(tables)
     from viewgain.report._coverage_picture import coverage_figure
-    from viewgain.report._style import to_png
 
-    write_whole(path, to_png(coverage_figure(tables)))
-    return path
+    return _saved(coverage_figure(tables), path)
 
 
 def write_table1_picture(tables: Sequence[Table1], path: Path) -> Path:
@@ -143,13 +137,22 @@ def write_table1_picture(tables: Sequence[Table1], path: Path) -> Path:
         MissingExtraError: If matplotlib or jinja2 is not installed.
         ConfigError: If there is no table, or ``path`` cannot be written.
     """
+    _require_tables(tables)
+    from viewgain.report._table1_picture import table1_figure
+
+    return _saved(table1_figure(tables), path)
+
+
+def _require_tables(tables: Sequence[object]) -> None:
     if not tables:
         raise ConfigError("picture: got no table, wanted at least one")
     require_extra()
-    from viewgain.report._style import to_png
-    from viewgain.report._table1_picture import table1_figure
 
-    write_whole(path, to_png(table1_figure(tables)))
+
+def _saved(figure: "Figure", path: Path) -> Path:
+    from viewgain.report._style import to_png
+
+    write_whole(path, to_png(figure))
     return path
 
 
