@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks._tables import markdown, percent
 from viewgain.datasets import Dataset
 from viewgain.network import half_rounded
-from viewgain.training import held_out, load_examples, load_trained, validate
+from viewgain.training import load_trained, shown_and_aside, validate
 
 
 def run(options: argparse.Namespace) -> None:
@@ -20,11 +20,11 @@ def run(options: argparse.Namespace) -> None:
         trained = load_trained(path)
         recipe = trained.record.recipe
         data = Dataset(options.data[0] if options.data else trained.record.data)
-        examples = load_examples(data, recipe.data, views=recipe.network.views, seed=recipe.training.seed)
-        aside = np.flatnonzero(held_out(examples.objects, recipe.data.validation_share, seed=recipe.training.seed))
-        single, half = (validate(each, recipe, examples, aside) for each in (trained.module, half_rounded(trained.module)))
+        examples, aside = shown_and_aside(recipe, data)
+        rows_aside = np.flatnonzero(aside)
+        single, half = (validate(each, recipe, examples, rows_aside) for each in (trained.module, half_rounded(trained.module)))
         cost = percent(single.exact - half.exact, 2)
-        rows.append((path.name, f"{len(aside):,}", percent(single.exact), percent(half.exact), cost))
+        rows.append((path.name, f"{single.samples:,}", percent(single.exact), percent(half.exact), cost))
     print("## Weights stored as half floats, exact position on the run's validation objects\n")
     print(markdown(("run", "samples", "as trained", "rounded", "cost"), rows))
     print()

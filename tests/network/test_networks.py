@@ -11,7 +11,7 @@ from torch import Tensor
 from tests.oracles import network as oracle
 from viewgain.errors import ConfigError
 from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, parameters_of, scores_of, sigma_of
-from viewgain.network._compact import present_first
+from viewgain.network._compact import mean_present_first
 from viewgain.network._neighbours import in_order
 
 KINDS = tuple(kind for kind in get_args(Kind) if kind != "pose_scores")  # that one: test_pose_scores.py
@@ -207,10 +207,10 @@ def test_answers_are_rolled_to_the_view_that_is_surely_the_present_one(views: in
     answers = torch.rand(2, views, 3, generator=seeded(seed), dtype=torch.double)
     presence = torch.zeros(2, views, dtype=torch.double)
     presence[:, present] = 800.0
-    torch.testing.assert_close(present_first(answers, presence), torch.roll(answers, -present, dims=1), rtol=0, atol=1e-12)
+    torch.testing.assert_close(mean_present_first(answers, presence), torch.roll(answers, -present, dims=1), rtol=0, atol=1e-12)
     # No idea at all: every place gets the mean.
     mean = answers.mean(1, keepdim=True).expand_as(answers)
-    torch.testing.assert_close(present_first(answers, torch.zeros_like(presence)), mean, rtol=0, atol=1e-12)
+    torch.testing.assert_close(mean_present_first(answers, torch.zeros_like(presence)), mean, rtol=0, atol=1e-12)
 
 
 @settings(max_examples=20)

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from torch import Tensor
 
-from tests.oracles.networks_on_disk import exported, small_settings
+from tests.oracles.networks_on_disk import card_of, exported, small_settings
 from tests.training.conftest import changed
 from tests.training.test_train import Stop, losses, stop_after
 from viewgain.cli import main
@@ -32,6 +31,7 @@ from viewgain.training import (
     start,
     symmetries,
 )
+from viewgain.training._teacher import check_teacher
 
 MOST_POINTS = 64
 
@@ -56,8 +56,8 @@ def taught_by(teacher: Path, *, weight: float = 1.0, kind: str = "compact", **ta
     return changed(network=network, distil={"teacher": str(teacher), "weight": weight}, **tables)
 
 
-def batch_of(data: Dataset, recipe: TrainingRecipe, **settings: object) -> tuple[Batch, Tensor]:
-    """Return a batch of the first 16 rows in the order of the draw, and the present view of each."""
+def batch_of(data: Dataset, recipe: TrainingRecipe, **settings: object) -> Batch:
+    """Return the second batch of 16 drawn rows."""
     examples = load_examples(data, recipe.data, views=16, seed=0)
     teacher = open_teacher(recipe, "pcnbv16", "cpu")
     source = Batches(
@@ -65,7 +65,7 @@ def batch_of(data: Dataset, recipe: TrainingRecipe, **settings: object) -> tuple
         points=recipe.network.points, uses_state=recipe.network.with_view_state, seed=3, teacher=teacher,
         symmetries=symmetries(examples.poses, "object") if settings.get("symmetry") else None,
     )  # fmt: skip
-    return source.at(1), examples.views
+    return source.at(1)
 
 
 def answers(path: Path, batch: Batch) -> np.ndarray:
@@ -78,22 +78,22 @@ def test_what_is_taught_is_what_the_teacher_says_of_the_cloud(
     name: str, kind: str, symmetry: bool, folder: Path, data: Dataset
 ) -> None:
     recipe = taught_by(folder / f"{name}.onnx", kind=kind, network={"points": 64})
-    batch, _ = batch_of(data, recipe, symmetry=symmetry)
+    batch = batch_of(data, recipe, symmetry=symmetry)
     np.testing.assert_allclose(batch.taught, answers(folder / f"{name}.onnx", batch), atol=1e-6)
 
 
 def test_noise_and_hidden_points_are_the_student_s_alone(folder: Path, data: Dataset) -> None:
     recipe = taught_by(folder / "blind.onnx")
-    plain, disturbed = batch_of(data, recipe)[0], batch_of(data, recipe, jitter=0.01, dropout=0.8)[0]
+    plain, disturbed = batch_of(data, recipe), batch_of(data, recipe, jitter=0.01, dropout=0.8)
     assert not torch.equal(plain.points, disturbed.points)
     assert torch.equal(plain.taught, disturbed.taught)
     alone = changed()
-    assert torch.equal(batch_of(data, alone)[0].points, plain.points)  # a teacher changes nothing of what is drawn
+    assert torch.equal(batch_of(data, alone).points, plain.points)  # a teacher changes nothing of what is drawn
 
 
 def test_a_teacher_with_the_view_state_speaks_in_the_order_of_a_student_without(folder: Path, data: Dataset) -> None:
-    told, _ = batch_of(data, taught_by(folder / "told.onnx", kind="compact_view"))
-    blind, _ = batch_of(data, taught_by(folder / "told.onnx"))
+    told = batch_of(data, taught_by(folder / "told.onnx", kind="compact_view"))
+    blind = batch_of(data, taught_by(folder / "told.onnx"))
     present = told.states.argmax(1).tolist()
     by_hand = [np.roll(scores, -view) for scores, view in zip(told.taught.numpy(), present, strict=True)]
     np.testing.assert_array_equal(blind.taught, np.stack(by_hand))
@@ -101,11 +101,11 @@ def test_a_teacher_with_the_view_state_speaks_in_the_order_of_a_student_without(
 
 
 def test_a_teacher_has_its_own_rule_and_its_uncertainty_is_left_out(folder: Path, data: Dataset) -> None:
-    batch, _ = batch_of(data, taught_by(folder / "seen.onnx", network={"points": 64}))
+    batch = batch_of(data, taught_by(folder / "seen.onnx", network={"points": 64}))
     cloud = batch.points[2][batch.mask[2]].double().numpy()
     np.testing.assert_allclose(batch.taught[2], Scorer.load(folder / "seen.onnx").scores(cloud), atol=1e-5)
     assert not np.allclose(batch.taught, answers(folder / "seen.onnx", batch), atol=1e-4)
-    sure, _ = batch_of(data, taught_by(folder / "sure.onnx", network={"points": 64}))
+    sure = batch_of(data, taught_by(folder / "sure.onnx", network={"points": 64}))
     np.testing.assert_allclose(sure.taught, answers(folder / "sure.onnx", sure)[..., 0], atol=1e-6)
 
 
@@ -129,8 +129,8 @@ def test_a_student_of_weight_1_follows_its_teacher_and_not_the_labels(folder: Pa
 def test_a_run_teaches_as_its_exported_file_does(data: Dataset, tmp_path: Path) -> None:
     start(changed(network={"kind": "compact_view"}), tmp_path / "run", data=data.folder)
     export_run(tmp_path / "run", tmp_path / "net.onnx")
-    by_run, _ = batch_of(data, taught_by(tmp_path / "run"))
-    by_file, _ = batch_of(data, taught_by(tmp_path / "net.onnx"))
+    by_run = batch_of(data, taught_by(tmp_path / "run"))
+    by_file = batch_of(data, taught_by(tmp_path / "net.onnx"))
     torch.testing.assert_close(by_run.taught, by_file.taught, rtol=0, atol=2e-3)  # the file holds half floats
     assert float(by_run.taught.std()) > 1e-3
 
@@ -164,6 +164,12 @@ def test_a_run_goes_on_with_its_own_teacher_wherever_that_lies(folder: Path, dat
         start(changed(), tmp_path / "alone", data=data.folder, watch=stop_after(5))
     with pytest.raises(ConfigError, match="has none"):
         resume(tmp_path / "alone", teacher=folder / "told.onnx")
+
+
+def test_a_teacher_that_scores_poses_is_refused() -> None:
+    card = card_of(small_settings("compact"), kind="pose_scores")
+    with pytest.raises(ConfigError, match="scores poses"):
+        check_teacher(card, taught_by(Path("a.onnx")), "pcnbv16")
 
 
 @pytest.mark.parametrize(

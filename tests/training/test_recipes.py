@@ -68,6 +68,11 @@ def test_the_clock_moves_only_the_schedule_that_asks_for_it() -> None:
         ({"network": {"kind": "large"}}, "kind"),
         ({"loss": {"ranking": "best"}}, "ranking"),
         ({"extra": {}}, "extra"),
+        ({"data": {"turn_deg": float("nan")}}, "turn_deg"),
+        ({"data": {"mirror": True}}, "mirror"),
+        ({"network": {"kind": "pose_scores"}, "data": {"symmetry": True}}, "symmetry"),
+        ({"network": {"kind": "pose_scores"}, "distil": {"teacher": "a.onnx"}}, "distil"),
+        ({"loss": {"presence_weight": 0.1}, "network": {"kind": "compact_view"}}, "presence_weight"),
     ],
 )
 def test_a_wrong_recipe_names_the_key(tables: dict[str, dict[str, object]], word: str) -> None:

@@ -23,8 +23,8 @@ def with_target(data: Dataset, name: str) -> Dataset:
     has nothing to do with them. (The public scripts of Pop and Tamas have one hand-written label per box with this tally.)
 
     Raises:
-        ConfigError: If there is no such target, estimator or objective, or the tally does not fit.
-        DataError: If the errors have not been worked out.
+        ConfigError: If there is no such estimator or objective, or the tally does not fit.
+        DataError: If there is no such target, or the errors have not been worked out.
     """
     if name in data.manifest.targets:
         return data

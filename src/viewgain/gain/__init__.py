@@ -4,7 +4,6 @@ from viewgain.gain._bits import packed as packed
 from viewgain.gain._bits import size as size
 from viewgain.gain._bits import unpacked as unpacked
 from viewgain.gain._choices import POSITION_LIMITS as POSITION_LIMITS
-from viewgain.gain._choices import POSITION_SLACK as POSITION_SLACK
 from viewgain.gain._choices import choices as choices
 from viewgain.gain._choices import hits as hits
 from viewgain.gain._choices import shortfall as shortfall

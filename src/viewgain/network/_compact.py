@@ -11,7 +11,7 @@ from torch import Tensor, nn
 from viewgain.network._hierarchy import Hierarchy
 from viewgain.network._inputs import ScoreNetwork
 from viewgain.network._neighbours import unrepeated
-from viewgain.network._output import outputs_of, shaped
+from viewgain.network._output import NUMBERS, answers_as_output
 from viewgain.network._queries import ViewQueries
 from viewgain.network._settings import NetworkSettings
 
@@ -27,7 +27,7 @@ class Compact(ScoreNetwork):
         self.wide = nn.Linear(8 * width + 3, 16 * width)
         self.cloud = nn.Linear(16 * width, 8 * width)
         self.queries = ViewQueries(views, 4 * width, cloud=8 * width, coarse=8 * width + 3, fine=4 * width + 3, told=told)
-        self.each = outputs_of(settings) // views
+        self.each = NUMBERS[settings.uncertainty]
         self.head = nn.Sequential(
             nn.Linear(4 * width, 8 * width), nn.ReLU(), nn.Linear(8 * width, self.each + (0 if told else 1))
         )
@@ -36,7 +36,7 @@ class Compact(ScoreNetwork):
         """Return the scores."""
         if view_state is None:
             return self._located(points, mask)[0]
-        return self._shaped(self._answers(points, mask, view_state))
+        return answers_as_output(self._answers(points, mask, view_state))
 
     def located(self, points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
         """Return the scores with the present view first, and (B, V) logits of the present view being each of the rig's."""
@@ -45,7 +45,9 @@ class Compact(ScoreNetwork):
     def _located(self, points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
         answers = self._answers(points, mask, None)
         presence = answers[..., self.each]
-        return self._shaped(present_first(answers[..., : self.each], presence)), presence
+        rolled = mean_present_first(answers[..., : self.each], presence)
+        # The shape in plain numbers, so that an exported file states it.
+        return answers_as_output(rolled.reshape(-1, self.settings.views, self.each)), presence
 
     def _answers(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return (B, V, each) what the head says of each view; without the view state one more, the logit of its presence."""
@@ -53,11 +55,8 @@ class Compact(ScoreNetwork):
         cloud = torch.relu(self.cloud(torch.relu(self.wide(levels.far).amax(1))))
         return torch.as_tensor(self.head(self.queries(cloud, levels.far, levels.near, view_state)))
 
-    def _shaped(self, answers: Tensor) -> Tensor:
-        return shaped(answers.transpose(1, 2).reshape(-1, self.each * self.settings.views), self.settings)
 
-
-def present_first(answers: Tensor, presence: Tensor) -> Tensor:
+def mean_present_first(answers: Tensor, presence: Tensor) -> Tensor:
     """Return (B, V, c) answers in rig order with the present view first, which is not known: it is each view with some chance.
 
     The chances are the softmax of ``presence`` (B, V), and what is returned is the mean of the rolled answers under them. In the

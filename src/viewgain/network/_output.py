@@ -50,6 +50,11 @@ def shaped(outputs: Tensor, settings: NetworkSettings) -> Tensor:
     return outputs.reshape(-1, NUMBERS[settings.uncertainty], settings.views).transpose(1, 2)
 
 
+def answers_as_output(answers: Tensor) -> Tensor:
+    """Return (B, V, c) numbers per view as an output: (B, V) where it is the score alone."""
+    return answers[..., 0] if answers.shape[-1] == NUMBERS["none"] else answers
+
+
 def scores_of(output: Tensor) -> Tensor:
     """Return (B, V) the scores in a network's output, with uncertainty or without."""
     return output if output.ndim == 2 else output[..., 0]

@@ -10,7 +10,7 @@ from torch import Tensor, nn
 from viewgain.errors import ConfigError
 from viewgain.network._hierarchy import Hierarchy
 from viewgain.network._inputs import ScoreNetwork
-from viewgain.network._output import NUMBERS
+from viewgain.network._output import NUMBERS, answers_as_output
 from viewgain.network._queries import Inquiry
 from viewgain.network._settings import NetworkSettings
 
@@ -46,7 +46,7 @@ class PoseScores(ScoreNetwork):
         seen = (levels.fine_points[:, None] - places[:, :, None]) @ turns  # (B, V, M, 3) in each candidate's camera
         views = views + self.look(levels.fine, seen)
         answers = self.head(self.inquiry(views, levels.far, levels.near))
-        return torch.as_tensor(answers[..., 0] if answers.shape[-1] == 1 else answers)
+        return answers_as_output(answers)
 
     def _check(self, told: Tensor | None, batch: int) -> None:
         if told is None or told.ndim != 4 or told.shape[0] != batch or told.shape[2:] != (4, 4):

@@ -8,7 +8,6 @@ from viewgain.arrays import Poses, Vector
 from viewgain.geometry import inverse
 from viewgain.inference import PoseScorer
 from viewgain.plan._belief import Belief
-from viewgain.plan._doubt import chances_of_best
 from viewgain.plan._expected import ExpectedErrorPolicy
 from viewgain.plan._policy import Assessment
 from viewgain.plan._views import Seen, ViewPolicy
@@ -27,23 +26,11 @@ class VolumeNetworkPolicy:
     name: str = "network"
 
     def scores(self, seen: Seen) -> Vector:
-        """Return (V,) minus the expected errors; NaN where the last scan showed next to nothing."""
-        return self.assessed(seen)[0]
-
-    def assessed(self, seen: Seen) -> tuple[Vector, Vector | None]:
-        """Return (V,) scores and their (V,) standard deviations, where the network gives any; NaN as :meth:`scores`."""
+        """Return (V,) minus the expected errors; NaN without a scan whose camera's place is known."""
         here = seen.scans[-1].camera_to_world if seen.scans else None
         if here is None:
-            return np.full(len(seen.candidates), np.nan), None
-        answer = self.scorer.assessed(seen.scans[-1].points, inverse(here) @ seen.candidates)
-        return answer.scores, answer.sigma
-
-    def confidence(self, seen: Seen) -> float:
-        """Return the probability that its best candidate is the best, by its own standard deviations; NaN without them."""
-        scores, sigma = self.assessed(seen)
-        if sigma is None or not np.all(np.isfinite(scores)):
-            return float("nan")
-        return float(chances_of_best(scores, sigma).max())
+            return np.full(len(seen.candidates), np.nan)
+        return self.scorer.assessed(seen.scans[-1].points, inverse(here) @ seen.candidates).scores
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,8 +75,10 @@ class VolumeNetworkAboutBox:
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return one assessment per candidate, (v, 4, 4) ``camera_to_current``."""
-        scores = 1 + self.scorer.assessed(self.scan.points, candidates).scores
-        if self.model is not None:
+        said = self.scorer.assessed(self.scan.points, candidates)
+        scores = 1 + said.scores
+        if self.model is not None:  # how sure the mean is, the network alone cannot say
             by_model = np.array([each.score for each in self.model.assess(belief, candidates, tolerance)])
-            scores = (scores + by_model) / 2
-        return tuple(Assessment(float(score), None, None) for score in scores)
+            return tuple(Assessment(float(score), None, None) for score in (scores + by_model) / 2)
+        sigmas = [None] * len(scores) if said.sigma is None else said.sigma.tolist()
+        return tuple(Assessment(score, None, None, sigma) for score, sigma in zip(scores.tolist(), sigmas, strict=True))

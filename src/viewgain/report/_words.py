@@ -113,7 +113,7 @@ def why_it_ended(episode: Episode) -> str:
     if plan.stop:
         return f"the volume is known as well as asked for (chance {probability(plan.within_tolerance)} of {_tolerance(plan)})"
     if plan.best is None:
-        return reason_in_words(plan.reason)
+        return plan.abstention or reason_in_words(plan.reason)
     return f"the limit of {views_in_words(len(episode.steps))} was reached before the volume was certain"
 
 

@@ -9,6 +9,7 @@ from viewgain.training._checkpoint import newest_good as newest_good
 from viewgain.training._checkpoint import read_checkpoint as read_checkpoint
 from viewgain.training._checkpoint import write_checkpoint as write_checkpoint
 from viewgain.training._data import held_out as held_out
+from viewgain.training._data import shown_and_aside as shown_and_aside
 from viewgain.training._examples import Examples as Examples
 from viewgain.training._examples import load_examples as load_examples
 from viewgain.training._export import export_run as export_run

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from viewgain.datasets import Dataset, LocalEngine, build, plan_of
 from viewgain.datasets import recipe as data_recipe
 from viewgain.errors import ConfigError, DataError
+from viewgain.training._examples import Examples, load_examples
 from viewgain.training._folder import DATA, RunFolder
 from viewgain.training._ranks import Ranks
 from viewgain.training._settings import TrainingRecipe
@@ -33,6 +34,19 @@ def open_data(recipe: TrainingRecipe, folder: RunFolder, data: Path | None, rank
         build(plan_of(data_recipe(recipe.data.recipe)), place, engine=LocalEngine(), resume=True)
     ranks.leader_says([1.0])  # the others wait here until it is built
     return Dataset(place)
+
+
+def shown_and_aside(recipe: TrainingRecipe, data: Dataset) -> tuple[Examples, NDArray[np.bool_]]:
+    """Return the samples that a recipe learns from, and (N,) which of them are kept out of training to watch it.
+
+    Raises:
+        DataError: If the data is not what the recipe is for, or too little to keep some of it out.
+        ConfigError: As of :func:`load_examples`.
+    """
+    network, settings, seed = recipe.network, recipe.data, recipe.training.seed
+    examples = load_examples(data, settings, views=network.views, seed=seed, with_poses=network.with_poses)
+    kinds = examples.objects if settings.validate_on == "objects" else np.arange(len(examples))
+    return examples, held_out(kinds, settings.validation_share, seed=seed)
 
 
 def held_out(objects: NDArray[np.int64], share: float, *, seed: int) -> NDArray[np.bool_]:

@@ -15,8 +15,8 @@ from viewgain.errors import ConfigError, DataError, TrainingError
 from viewgain.network import parameters_of
 from viewgain.training._batches import Batches
 from viewgain.training._checkpoint import Checkpoint, newest_good, require_safetensors
-from viewgain.training._data import held_out, open_data
-from viewgain.training._examples import Examples, load_examples
+from viewgain.training._data import open_data, shown_and_aside
+from viewgain.training._examples import Examples
 from viewgain.training._facts import versions
 from viewgain.training._floors import floors
 from viewgain.training._folder import RunFolder, RunRecord
@@ -129,10 +129,7 @@ def _run(
     seed = recipe.training.seed
     teacher = open_teacher(recipe, rig_of(data.manifest), means.device)
     check_same(teacher, before)
-    network = recipe.network
-    examples = load_examples(data, recipe.data, views=network.views, seed=seed, with_poses=network.with_poses)
-    watched = examples.objects if recipe.data.validate_on == "objects" else np.arange(len(examples))
-    aside = held_out(watched, recipe.data.validation_share, seed=seed)
+    examples, aside = shown_and_aside(recipe, data)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         session = Session(recipe, _batches(recipe, examples, aside, means.device, teacher), device=means.device, ranks=group)

@@ -61,8 +61,8 @@ class DataSettings:
                 f"data: got validation_share {self.validation_share} and resident {self.resident}, wanted one between 0 and 1 and"
                 " one of 1 or more"
             )
-        if self.turn_deg < 0 or (self.whole_scan and self.frame != "camera"):
-            raise ConfigError("data: wanted a turn_deg of 0 or more, and whole scans in the camera frame only")
+        if not 0 <= self.turn_deg <= 180 or (self.whole_scan and self.frame != "camera"):
+            raise ConfigError("data: wanted a turn_deg of 0 to 180, and whole scans in the camera frame only")
         if self.jitter < 0 or not 0 <= self.dropout < 1:
             raise ConfigError(f"data: got jitter {self.jitter}, dropout {self.dropout}; wanted 0 or more, and 0 to under 1")
 
@@ -157,14 +157,28 @@ class TrainingRecipe:
     """Who teaches beside the labels, if anybody."""
 
     def __post_init__(self) -> None:
-        kinds = ("mean", "half_sum") if self.network.uncertainty == "none" else (self.network.uncertainty,)
-        if self.loss.kind not in kinds:
-            raise ConfigError(
-                f"training recipe {self.name}: got a loss of kind {self.loss.kind!r} for a network of uncertainty"
-                f" {self.network.uncertainty!r}, wanted {' or '.join(kinds)}"
-            )
-        if self.loss.presence_weight and self.network.kind != "compact":
-            raise ConfigError(
-                f"training recipe {self.name}: got a presence_weight for a network of kind {self.network.kind}, which does not"
-                " say from where a cloud was seen; wanted compact, or presence_weight = 0"
-            )
+        kind, uncertainty, with_poses = self.network.kind, self.network.uncertainty, self.network.with_poses
+        losses = ("mean", "half_sum") if uncertainty == "none" else (uncertainty,)
+        misfits = (
+            (
+                self.loss.kind not in losses,
+                f"a loss of kind {self.loss.kind!r} for a network of uncertainty {uncertainty!r}, wanted {' or '.join(losses)}",
+            ),
+            (
+                self.loss.presence_weight > 0 and kind != "compact",
+                f"a presence_weight for a network of kind {kind}, which does not say from where a cloud was seen; wanted compact,"
+                " or presence_weight = 0",
+            ),
+            (
+                with_poses and self.data.symmetry,
+                f"symmetry for a network of kind {kind}, which knows no rig; wanted mirror and turn_deg",
+            ),
+            (
+                not with_poses and (self.data.mirror or self.data.turn_deg > 0),
+                f"mirror or turn_deg for a network of kind {kind}, which is not told poses; wanted symmetry, or neither",
+            ),
+            (with_poses and self.distil is not None, f"a teacher for a network of kind {kind}, which knows no rig; drop distil"),
+        )
+        for is_so, misfit in misfits:
+            if is_so:
+                raise ConfigError(f"training recipe {self.name}: got {misfit}")

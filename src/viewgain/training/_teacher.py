@@ -16,7 +16,7 @@ from torch import Tensor
 from torch.nn.functional import pad
 
 from viewgain.errors import ConfigError, TrainingError
-from viewgain.inference import ModelCard, Scorer, find_model, normalised
+from viewgain.inference import POSE_KIND, ModelCard, Scorer, find_model, normalised
 from viewgain.network import scores_of, unrepeated
 from viewgain.training._batches import present_first
 from viewgain.training._export import card_of
@@ -85,7 +85,7 @@ def open_teacher(recipe: TrainingRecipe, rig: str, device: str) -> Teacher | Non
         return None
     path = Path(recipe.distil.teacher)
     card, file, answer = _of_run(path, device) if path.is_dir() else _of_file(recipe.distil.teacher)
-    _check(card, recipe, rig)
+    check_teacher(card, recipe, rig)
     digest = hashlib.sha256(file.read_bytes()).hexdigest()
     return Teacher(card=card, digest=digest, uses_state=recipe.network.with_view_state, answer=answer)
 
@@ -150,8 +150,10 @@ def _by_rule(points: Tensor, mask: Tensor, card: ModelCard) -> Tensor:
     return ready
 
 
-def _check(card: ModelCard, recipe: TrainingRecipe, rig: str) -> None:
+def check_teacher(card: ModelCard, recipe: TrainingRecipe, rig: str) -> None:
     """Refuse a teacher whose scores mean something else than the student's."""
+    if card.kind == POSE_KIND:
+        raise ConfigError(f"distil: got the teacher {card.name}, which scores poses and not the views of a rig; take another")
     taught = card.training.get("target", recipe.data.target)
     for what, got, wanted in (
         ("rig", card.rig, rig),
