@@ -18,6 +18,7 @@ RECIPES = (
         for name in ("coverage_paper", "coverage_pcnbv", "boxes_paper", "boxes_recorded", "boxes_random", "meshes_random")
         for tiny in ("", "_tiny")
     ),
+    "boxes_paper_tenth",
     "coverage_learn_tiny",
     "coverage_table1",
     "coverage_pcnbv_learn",
