@@ -56,12 +56,22 @@ table1: $(VENV)/dev.stamp ## Judge the shipped networks on fresh objects and wri
 table-coverage: $(VENV)/dev.stamp ## The same over ten views: coverage beside random, farthest and greedy oracle, tables/coverage.md
 	$(BIN)/viewgain evaluate coverage --fresh 10 --workers 2 --out tables $(ARGS)
 
+# Trains a recipe on the boxes: one that finished is left as it is, one that was interrupted goes on, else it begins. run.json is there
+# from the first step on, so only a stamp written last says that a run has finished.
+define trained
+test -e runs/$(1)/finished || { \
+	if test -e runs/$(1)/run.json; \
+	then $(BIN)/viewgain train --resume runs/$(1) --data data/boxes --minutes $(TABLE2_MINUTES); \
+	else $(BIN)/viewgain train $(1) --data data/boxes --out runs/$(1) --minutes $(TABLE2_MINUTES); \
+	fi && touch runs/$(1)/finished; }
+endef
+
 table2: $(VENV)/dev.stamp ## Build the paper's boxes, train briefly, print its Table 2 (hours; TABLE2_MINUTES of training per network)
 	$(BIN)/viewgain dataset build boxes_paper --out data/boxes --workers 2 --resume --errors lines_published
-	test -e runs/volume_paper_short/run.json || $(BIN)/viewgain train volume_paper_short --data data/boxes --out runs/volume_paper_short --minutes $(TABLE2_MINUTES)
+	$(call trained,volume_paper_short)
 	$(BIN)/viewgain export runs/volume_paper_short --out runs/volume_paper_short.onnx
 	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_short.onnx --out tables/table2 $(ARGS)
-	test -e runs/volume_paper_tally/run.json || $(BIN)/viewgain train volume_paper_tally --data data/boxes --out runs/volume_paper_tally --minutes $(TABLE2_MINUTES)
+	$(call trained,volume_paper_tally)
 	$(BIN)/viewgain export runs/volume_paper_tally --out runs/volume_paper_tally.onnx
 	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_tally.onnx --target tally:4,3,2,2:0 --out tables/table2-tally $(ARGS)
 

@@ -33,7 +33,7 @@ class ModelError(ViewgainError, ValueError):
 
 
 class StorageError(ViewgainError, OSError):
-    """A data set cannot be written: the disk is full, or the folder cannot be written to."""
+    """A file or a folder cannot be written: the disk is full, or the folder cannot be written to; exit code 4."""
 
 
 class TrainingError(ViewgainError, RuntimeError):

@@ -146,6 +146,7 @@ def test_wrong_input_is_one_line_and_exit_code_2(
         (("--fresh", "1", "--seed", "-1"), "wanted 0 or more"),
         (("--fresh", "1", "--limit", "1"), "--limit with --fresh"),
         (("--meshes", tmp_path / "none"), "none"),
+        (("--meshes", tmp_path, "--split", "same_category"), "got --split with --meshes"),
         (("--data", data.folder, "--models", models["untold"][0], "--floors-only"), "one of them"),
     ]:
         assert main(["evaluate", "table1", *map(str, arguments)]) == 2
@@ -162,3 +163,22 @@ def test_a_folder_that_cannot_be_written_is_exit_code_4(
     arguments = ("--data", data.folder, "--split", "other_category", "--out", tmp_path / "file" / "under")
     assert main(["evaluate", "table1", *map(str, arguments)]) == 4
     assert "cannot be made" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["table1.json", "table1.md", "table1.png"])
+def test_a_file_that_cannot_be_written_is_exit_code_4(
+    name: str, data: Dataset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).mkdir()
+    arguments = ("--data", data.folder, "--split", "other_category", "--floors-only", "--out", tmp_path)
+    assert main(["evaluate", "table1", *map(str, arguments)]) == 4
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"viewgain: error: {tmp_path / name}: cannot be written")
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_the_help_names_every_table(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    said = capsys.readouterr().out
+    for name in ("table1", "table2", "coverage", "volume"):
+        assert f"viewgain evaluate {name} " in said

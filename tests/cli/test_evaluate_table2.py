@@ -90,6 +90,46 @@ def test_every_fold_trains_without_its_boxes(data: Dataset, tmp_path: Path, caps
     again = evaluated(capsys, data, *arguments)
     assert again[1] == folds
     assert "## Table 2 over 2 choices" in (tmp_path / "out" / "table2.md").read_text()
+    _refused(data, own, tmp_path / "out", capsys)
+    _kept(data, arguments, tmp_path / "out", folds, capsys)
+
+
+def _refused(data: Dataset, own: Path, out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Folds of other settings are not taken for those that are asked for; the recipe counts by what it says, not by its name."""
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    wanted = {"--folds": "2", "--leave": "1", "--recipe": str(own), "--minutes": "5", "--out": str(out)}
+    text = own.read_text()
+    for change, content in [
+        ({"--minutes": "6"}, text),
+        ({"--seed": "1"}, text),
+        ({"--captures": "49"}, text),
+        ({"--target": "tally:1,1,1,0:0"}, text),
+        ({}, text.replace("iterations = 4", "iterations = 6")),
+    ]:
+        own.write_text(content)
+        words = [word for pair in (wanted | change).items() for word in pair]
+        assert main(["evaluate", "table2", "--data", str(data.folder), *words]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "holds results of other settings" in line
+    own.write_text(text)
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
+
+
+def _kept(
+    data: Dataset, arguments: tuple[object, ...], out: Path, folds: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is kept is taken as it is, and what is damaged is said."""
+    held = folds["folds"][0]["other_boxes"]
+    file = out / "folds" / "-".join(map(str, held)) / "table2.json"
+    file.write_text(json.dumps(folds["folds"][0] | {"captures": 7}))
+    assert evaluated(capsys, data, *arguments)[1]["folds"] == [folds["folds"][0] | {"captures": 7}, folds["folds"][1]]
+    for content in (b"{", b"\xff", b"[]", json.dumps(folds["folds"][1]).encode()):
+        file.write_bytes(content)
+        assert main(["evaluate", "table2", "--data", str(data.folder), *map(str, arguments)]) == 2
+        assert f"{file}: is damaged" in capsys.readouterr().err
+    (out / "folds" / "settings.json").unlink()
+    assert main(["evaluate", "table2", "--data", str(data.folder), *map(str, arguments)]) == 2
+    assert "settings that nobody knows" in capsys.readouterr().err
 
 
 def test_choices_of_boxes_are_all_there_and_different() -> None:
@@ -100,6 +140,16 @@ def test_choices_of_boxes_are_all_there_and_different() -> None:
     assert leave_out(range(5), 2, seed=1) != every
     with pytest.raises(ConfigError, match="fewer than there are"):
         leave_out(range(3), 3)
+
+
+@pytest.mark.parametrize("name", ["table2.json", "table2.md"])
+def test_a_table_that_cannot_be_written_is_exit_code_4(
+    name: str, data: Dataset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).mkdir()
+    assert main(["evaluate", "table2", "--data", str(data.folder), "--out", str(tmp_path)]) == 4
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"viewgain: error: {tmp_path / name}: cannot be written")
 
 
 def test_bad_questions_end_in_one_line(data: Dataset, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,15 +1,20 @@
 """``viewgain evaluate volume`` through the real command: figures by hand, going on, and what goes wrong."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from viewgain.cli import main
 from viewgain.evaluation import VolumeSettings, case_errors, choice, volume_case
+from viewgain.evaluation._volume_case import VolumeCase
+from viewgain.measure import POSE_SIGMA, fuse
 from viewgain.plan import FarthestPolicy
+from viewgain.scans import Scan
 
 ARGUMENTS = ("--boxes", "2", "--captures", "2", "--estimator", "lines_published", "--side", "0.2", "0.5", "--seed", "5")
 
@@ -40,14 +45,54 @@ def test_the_table_is_that_of_scans_by_hand_and_a_second_run_takes_what_is_kept(
     marked = json.loads(kept[0].read_text())
     marked["errors"] = [[0.25] * 4] * 4
     kept[0].write_text(json.dumps(marked))
-    again = evaluated(capsys, "--policies", "farthest", "random", "oracle", "--out", out)
-    assert again["rows"][1]["shares"]["mean"][2] != first["rows"][1]["shares"]["mean"][2]
+    again = {row["name"]: row for row in evaluated(capsys, "--policies", "farthest", "random", "oracle", "--out", out)["rows"]}
+    assert again["farthest"]["shares"]["mean"][2] == pytest.approx((0.25 + errors[1]) / 2)
+    (out / "volume.md").unlink()
+    (out / "volume.md").mkdir()
+    assert main(["evaluate", "volume", *ARGUMENTS, "--policies", "farthest", "--out", str(out)]) == 4
+    said = [line for line in capsys.readouterr().err.splitlines() if "error" in line]
+    assert [line.partition(": cannot")[0] for line in said] == [f"viewgain: error: {out / 'volume.md'}"]
+    (out / "volume.md").rmdir()
+    assert evaluated(capsys, "--policies", "farthest", "random", "oracle", "--out", out)["boxes"] == 2
     assert (out / "volume.md").read_text().startswith("## Next best view for volume: 2 fresh boxes of seed 5")
     assert main(["evaluate", "volume", *ARGUMENTS, "--captures", "3", "--out", str(out)]) == 2
     assert "holds results of other settings" in capsys.readouterr().err
-    kept[1].write_text("{")
-    assert main(["evaluate", "volume", *ARGUMENTS, "--out", str(out)]) == 2
-    assert "is damaged" in capsys.readouterr().err
+    for content in (b"{", b"[]", b'{"errors": [[0.1]]}', b'{"errors": "\xff"}'):
+        kept[1].write_bytes(content)
+        assert main(["evaluate", "volume", *ARGUMENTS, "--out", str(out)]) == 2
+        said = capsys.readouterr().err
+        assert f"{kept[1]}: is damaged" in said
+        assert "Traceback" not in said
+
+
+@pytest.mark.slow
+def test_fused_errors_are_those_of_both_scans_measured_together(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """The slow twin takes each pair of scans anew, with poses off as the camera's belief is, and fuses the two as any others."""
+    arguments = ("--boxes", "2", "--captures", "2", "--side", "0.15", "0.4", "--rig", "ring2", "--fused")
+    assert main(["evaluate", "volume", *arguments, "--policies", "random", "--json", "--out", str(tmp_path)]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    kept = [json.loads((tmp_path / "boxes" / f"box0000{number}.json").read_text()) for number in range(2)]
+    costs = [np.minimum(np.abs(np.array(each["errors"])[:, :2]), 1.0) for each in kept]
+    assert row["shares"]["mean"][2] == pytest.approx(np.mean(costs))
+    case = volume_case(VolumeSettings(captures=2, side=(0.15, 0.4), rig="ring2", fused=True), 0)
+    assert kept[0]["present"] == case.present
+    assert case.reachable.all()
+    for view in range(2):
+        for number in range(4):
+            first, second = believed(case, case.present, 4), believed(case, view, number)
+            (box,) = fuse([first, second], camera="pico_flexx").boxes
+            assert kept[0]["errors"][view][number] == pytest.approx(np.prod(box.dimensions) / np.prod(kept[0]["size_m"]) - 1)
+
+
+def believed(case: VolumeCase, view: int, number: int) -> Scan:
+    """Return a scan with its pose turned and moved by what the camera does not know of it."""
+    scan = case.scans.scan(view, number)
+    assert scan is not None
+    rng = np.random.default_rng([case.scans.seed, view, number, 1])
+    miss = np.eye(4)
+    miss[:3, :3] = Rotation.from_rotvec(rng.normal(0.0, POSE_SIGMA[1], 3)).as_matrix()
+    miss[:3, 3] = rng.normal(0.0, POSE_SIGMA[0], 3)
+    return replace(scan, camera_to_world=case.scans.camera_to_world(view, number) @ miss)
 
 
 @pytest.mark.parametrize(
@@ -55,6 +100,12 @@ def test_the_table_is_that_of_scans_by_hand_and_a_second_run_takes_what_is_kept(
     [
         (["--boxes", "1"], "wanted 2 or more"),
         (["--policies", "wizard"], "'wizard' is not known"),
+        (["--policies", "model"], "'model' is not known; choose from expected,"),
+        (["--policies", "farthest", "network:nowhere.onnx"], "nowhere.onnx: no such file"),
+        (["--policies", "combined:nowhere.onnx"], "nowhere.onnx: no such file"),
+        (["--side", "nan", "0.5"], "sides (nan, 0.5)"),
+        (["--distance", "inf"], "distance inf"),
+        (["--elevation", "nan"], "elevation nan"),
         (["--estimator", "eye"], "estimator: got 'eye'"),
         (["--fused", "--estimator", "lines_mended"], "cannot fuse"),
     ],

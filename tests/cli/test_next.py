@@ -99,6 +99,15 @@ def test_bad_options_are_one_line_and_exit_2(option: str, value: str, scans: Pat
     assert value.strip("0.") in error or str(float(value)) in error
 
 
+def test_a_network_that_nobody_would_ask_is_refused(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for policy in ([], ["--policy", "model"]):
+        assert main(["next", str(scans / "one.png"), *policy, "--model", "mine.onnx"]) == 2
+        captured = capsys.readouterr()
+        (error,) = captured.err.splitlines()
+        assert "--model: got mine.onnx, and --policy model asks no network" in error
+        assert captured.out == ""
+
+
 def test_best_is_the_top_of_the_reachable_scores_up_to_a_tie(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan = plan_of([str(scans / "one.png")], capsys)
     scores = np.array([c["score"] for c in plan["candidates"] if c["reachable"]])

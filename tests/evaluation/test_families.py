@@ -44,6 +44,39 @@ def test_other_data_steps_frame_or_points_or_no_seed_keep_networks_apart() -> No
         assert [each.name for each in families({"a": first, "b": other})] == ["a", "b"]
 
 
+def test_networks_that_differ_by_more_than_the_view_state_are_not_paired() -> None:
+    without = card("compact", "0")
+    same = card("compact_view", "1")
+    assert len(without_and_with(families({"a": without, "b": same}))) == 1
+    for other in (
+        card("compact_view", "0", rig="ring16"),
+        card("compact_view", "0", frame="camera"),
+        card("compact_view", "0", normalisation="seen_box"),
+        card("compact_view", "0", training=same.training | {"steps": "70 of 200, batch 2"}),
+        card("compact_view", "0", training=same.training | {"data": "other"}),
+        card("compact_view", "0", training=same.training | {"target": "gain_union"}),
+        card("compact_view", "0", training=same.training | {"teacher": "big, weight 0.5"}),
+    ):
+        assert without_and_with(families({"a": without, "b": other})) == ()
+
+
+def test_the_plan_says_whether_data_is_the_same_where_it_is_stated() -> None:
+    """Older cards do not note the seed of the data; the plan is made from it."""
+    old, new, other = (
+        f"recipe r, seed {seed}, plan {plan}" for seed, plan in [("not noted", "ab12"), ("0", "ab12"), ("0", "cd34")]
+    )
+    first, second, third = (
+        card("compact", str(seed), training=card("compact", None).training | {"data": data, "seed": str(seed)})
+        for seed, data in enumerate((old, new, other))
+    )
+    found = families({"a": first, "b": second, "c": third})
+    assert [each.members for each in found] == [("a", "b"), ("c",)]
+    told = card("compact_view", "0", training=first.training | {"data": new})
+    assert [(one.members, two.members) for one, two in without_and_with(families({"a": first, "c": third, "t": told}))] == [
+        (("a",), ("t",))
+    ]
+
+
 def test_families_of_one_name_are_told_apart_and_only_kin_are_paired() -> None:
     early = {f"e{k}": card("compact", str(k)) for k in range(2)}
     late = {f"l{k}": card("compact", str(k), points=256) for k in range(2)}

@@ -56,7 +56,8 @@ def test_the_constant_offset_counts_from_the_present_position() -> None:
     runs = [run_of(number, best=(number + 2) % 4, chosen=0, present=number % 4) for number in range(8)]
     rows = {row.name: row for row in volume_table(SETTINGS, runs, POLICIES).rows}
     assert rows["constant offset"].shares.mean[0] == 1.0
-    assert rows["constant position"].shares.mean[0] < 0.5
+    # Of the seven other boxes each position but this box's own is best for two: it is never chosen.
+    assert rows["constant position"].shares.mean[0] == 0.0
 
 
 def test_a_table_wants_two_boxes_and_is_plain_json() -> None:
@@ -93,6 +94,15 @@ def test_boxes_leave_a_choice_and_lie_within_their_sizes() -> None:
         ({"seed": -1}, "seed -1"),
         ({"captures": 1}, "1 captures"),
         ({"side": (0.5, 0.2)}, "sides"),
+        ({"side": (np.nan, 0.2)}, "sides"),
+        ({"side": (0.1, np.nan)}, "sides"),
+        ({"side": (0.1, np.inf)}, "sides"),
+        ({"distance": 0.0}, "distance 0.0"),
+        ({"distance": np.nan}, "distance nan"),
+        ({"distance": np.inf}, "distance inf"),
+        ({"elevation_deg": np.nan}, "elevation nan"),
+        ({"elevation_deg": np.inf}, "elevation inf"),
+        ({"elevation_deg": -np.inf}, "elevation -inf"),
         ({"estimator": "guess"}, "estimator"),
         ({"fused": True, "estimator": "lines_mended"}, "cannot fuse"),
         ({"rig": "nowhere"}, "rig 'nowhere'"),
@@ -105,8 +115,9 @@ def test_settings_that_make_no_sense_are_refused(change: dict[str, object], word
 
 
 def test_unknown_policies_are_refused() -> None:
-    check_volume_policies(("model", "network:some.onnx"))
-    with pytest.raises(ConfigError, match="'best' is not known"):
-        check_volume_policies(("best",))
+    check_volume_policies(("expected", "network:some.onnx"))
+    for name in ("best", "model", "network:", "expected:some.onnx"):
+        with pytest.raises(ConfigError, match=f"'{name}' is not known; choose from expected, covariance"):
+            check_volume_policies((name,))
     with pytest.raises(ConfigError, match="each once"):
-        check_volume_policies(("model", "model"))
+        check_volume_policies(("expected", "expected"))

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from viewgain.episodes import Episode
-from viewgain.errors import ConfigError, MissingExtraError
+from viewgain.errors import ConfigError, MissingExtraError, StorageError
 from viewgain.measure import measure
 from viewgain.report import draw_scan, draw_scene, save_scan_picture, write_report
 from viewgain.scans import Scan
@@ -96,7 +96,7 @@ def test_older_files_are_replaced_and_nothing_temporary_stays(blob: Episode, tmp
 def test_a_folder_that_cannot_be_made_is_one_line(blob: Episode, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file", tmp_path / "file" / "report"):
-        with pytest.raises(ConfigError, match="cannot be written") as caught:
+        with pytest.raises(StorageError, match="cannot be written") as caught:
             write_report(blob, folder)
         assert str(folder) in str(caught.value)
         assert_one_line(caught.value)
@@ -104,7 +104,7 @@ def test_a_folder_that_cannot_be_made_is_one_line(blob: Episode, tmp_path: Path)
 
 def test_a_file_that_cannot_be_written_is_one_line_and_leaves_nothing_behind(blob: Episode, tmp_path: Path) -> None:
     (tmp_path / "numbers.json").mkdir()
-    with pytest.raises(ConfigError, match=r"numbers\.json.*cannot be written") as caught:
+    with pytest.raises(StorageError, match=r"numbers\.json.*cannot be written") as caught:
         write_report(blob, tmp_path)
     assert_one_line(caught.value)
     assert not list(tmp_path.glob(".*"))
@@ -181,6 +181,6 @@ def test_only_png_files_are_drawn(blob: Episode, tmp_path: Path) -> None:
 
 def test_a_picture_in_a_missing_folder_is_one_line(blob: Episode, tmp_path: Path) -> None:
     step = blob.steps[0]
-    with pytest.raises(ConfigError, match="cannot be written") as caught:
+    with pytest.raises(StorageError, match="cannot be written") as caught:
         save_scan_picture(step.scan, step.fused, tmp_path / "nowhere" / "scan.png")
     assert_one_line(caught.value)

@@ -11,7 +11,7 @@ DAMAGED = 3
 DIVERGED = 3
 """``viewgain train`` met a gradient that is not finite."""
 NOT_WRITTEN = 4
-"""A data set cannot be written: the disk is full, or the folder cannot be written to."""
+"""A file or a folder cannot be written: the disk is full, or the folder cannot be written to."""
 
 
 def print_error(error: Exception) -> None:

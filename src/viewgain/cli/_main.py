@@ -7,9 +7,9 @@ from importlib import import_module
 
 from viewgain.cli._commands import Calibrate, Dataset, Demo, Measure, Next, Simulate
 from viewgain.cli._evaluate_commands import Evaluate
-from viewgain.cli._exit import BAD_INPUT, print_error
+from viewgain.cli._exit import BAD_INPUT, NOT_WRITTEN, print_error
 from viewgain.cli._training_commands import Export, Train
-from viewgain.errors import MissingExtraError, ViewgainError
+from viewgain.errors import MissingExtraError, StorageError, ViewgainError
 
 _RUNNERS = {
     Measure: ("_measure", "run_measure"),
@@ -35,6 +35,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain train RECIPE                 a network from training data, and go on with it to the bit
   viewgain export RUN --out FILE.onnx   its best weights, with a model card
   viewgain evaluate table1 --fresh 10   how often networks choose the best view, beside floors
+  viewgain evaluate coverage --fresh 10 how much policies cover, view after view
   viewgain evaluate table2 --data DIR   how often it names a box's best position
   viewgain evaluate volume              planners for a box's volume, on fresh boxes
   viewgain demo                         the whole loop on a simulated scene, with a report
@@ -63,6 +64,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         module, runner = _RUNNERS[type(command)]
         return int(getattr(import_module(f"viewgain.cli.{module}"), runner)(command))
+    except StorageError as error:
+        print_error(error)
+        return NOT_WRITTEN
     except ViewgainError as error:
         print_error(error)
         return BAD_INPUT

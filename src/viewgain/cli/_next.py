@@ -53,6 +53,8 @@ def _policy(command: Next, scan: Scan) -> Policy | None:
             raise ConfigError("--objective coverage: got --policy model, which knows boxes only; add --policy network")
         if deciding.abstain:
             raise ConfigError("--abstain: got --policy model, which always chooses; add --policy network")
+        if deciding.model:
+            raise ConfigError(f"--model: got {deciding.model[0]}, and --policy model asks no network; add --policy network")
         return None
     if command.objective != "coverage":
         return _for_volume(command, scan)

@@ -16,8 +16,8 @@ class EvaluateVolume:
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     camera: str = "pico_flexx"
     """Camera preset (docs/cameras.md) or a TOML file."""
-    policies: tuple[str, ...] = ("model", "covariance", "farthest", "constant", "random", "oracle")
-    """Who chooses: model, covariance, farthest, constant, random, oracle, network:FILE.onnx, combined:FILE.onnx."""
+    policies: tuple[str, ...] = ("expected", "covariance", "farthest", "constant", "random", "oracle")
+    """Who chooses: expected, covariance, farthest, constant, random, oracle, network:FILE.onnx, combined:FILE.onnx."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 24

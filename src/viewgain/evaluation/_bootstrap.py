@@ -42,7 +42,7 @@ def shares_by_object(values: ArrayLike, objects: ArrayLike, *, rng: np.random.Ge
     if len(table) == 0:
         raise DataError("evaluation: got no samples, wanted some")
     sums, counts = _per_object(table, np.asarray(objects))
-    weights = _weights(len(counts), rng, draws)
+    weights = drawn_weights(len(counts), rng, draws)
     drawn = (weights @ sums) / (weights @ counts)[:, None]
     low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
     return Shares(tuple(table.mean(axis=0).tolist()), tuple(low.tolist()), tuple(high.tolist()))
@@ -77,7 +77,7 @@ def ratio_by_object(
         return None
     upper, counts = _per_object(parts, np.asarray(objects))
     lower, _ = _per_object(wholes, np.asarray(objects))
-    weights = _weights(len(counts), rng, draws)
+    weights = drawn_weights(len(counts), rng, draws)
     below = weights @ lower
     drawn = np.divide(weights @ upper, below, out=np.full_like(below, np.nan), where=below != 0)
     low, high = np.nanquantile(drawn, [0.025, 0.975], axis=0)
@@ -107,7 +107,7 @@ def quotient_of_groups(
         if len(table) == 0:
             raise DataError("evaluation: got no samples, wanted some")
         sums, counts = _per_object(table, np.asarray(objects))
-        weights = _weights(len(counts), rng, draws)
+        weights = drawn_weights(len(counts), rng, draws)
         means.append(table.mean(axis=0))
         drawn.append((weights @ sums) / (weights @ counts)[:, None])
     if not np.all(means[1]):
@@ -117,7 +117,7 @@ def quotient_of_groups(
     return Shares(tuple((means[0] / means[1]).tolist()), tuple(low.tolist()), tuple(high.tolist()))
 
 
-def _weights(objects: int, rng: np.random.Generator, draws: int) -> Array:
+def drawn_weights(objects: int, rng: np.random.Generator, draws: int) -> Array:
     """Return (draws, O) how often each object is drawn."""
     return rng.multinomial(objects, np.full(objects, 1 / objects), size=draws).astype(float)
 

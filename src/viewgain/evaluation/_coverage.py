@@ -13,6 +13,7 @@ from viewgain.errors import DataError
 from viewgain.evaluation._bootstrap import Shares, difference_by_object, ratio_by_object, shares_by_object
 from viewgain.evaluation._play import FARTHEST, GREEDY, RANDOM_POLICY, RULES, Played
 from viewgain.gain import COVERAGE_PROTOCOLS, coverage_auc
+from viewgain.rigs import rig
 
 _INTERVALS = 0x6376
 
@@ -99,7 +100,7 @@ def coverage_table(
         split=split,
         title=title,
         rig=COVERAGE_PROTOCOLS[protocol].rig,
-        views=33 if protocol == "pcnbv" else 16,
+        views=len(rig(COVERAGE_PROTOCOLS[protocol].rig).stations),
         steps=len(rows[0].coverage),
         objects=len(by_number),
         categories=len(np.unique(categories)),

@@ -24,8 +24,8 @@ class Family:
 def families(cards: Mapping[str, ModelCard]) -> tuple[Family, ...]:
     """Return networks by family, in the order of their first members.
 
-    Of one family are those of the same kind, rig, frame, points, training recipe, planned steps, data and target, if each of
-    them states a seed of its own.
+    Of one family are those of the same kind and training recipe that agree in all of :func:`_terms`, if each of them states a
+    seed of its own.
 
     Args:
         cards: By the networks' names.
@@ -44,26 +44,29 @@ def families(cards: Mapping[str, ModelCard]) -> tuple[Family, ...]:
 
 
 def without_and_with(found: Sequence[Family]) -> tuple[tuple[Family, Family], ...]:
-    """Return the pairs of families that differ by the view state alone, the one without it first."""
+    """Return the pairs of families that differ by the view state alone, the one without it first; see :func:`_terms`."""
     return tuple(
         (one, two)
         for one in found
         for two in found
-        if (one.card.kind, two.card.kind) in WITHOUT_AND_WITH and one.card.points == two.card.points
+        if (one.card.kind, two.card.kind) in WITHOUT_AND_WITH and _terms(one.card) == _terms(two.card)
     )
 
 
 def _key(card: ModelCard) -> tuple[str, ...]:
+    return (card.kind, card.training.get("recipe", ""), *_terms(card))
+
+
+def _terms(card: ModelCard) -> tuple[str, ...]:
+    """Return what networks must agree in to be held against each other: else more than seed or view state tells them apart.
+
+    Rig, frame, points and how they are normalised, planned steps, data by its plan where that is stated, target and teacher.
+    """
     told = card.training
-    planned = told.get("steps", "").partition(" of ")[2]
-    return (
-        card.kind,
-        card.rig,
-        card.frame,
-        str(card.points),
-        planned,
-        *(told.get(key, "") for key in ("recipe", "data", "target")),
-    )
+    planned, data = told.get("steps", "").partition(" of ")[2], told.get("data", "")
+    plan = data.partition(", plan ")[2] or data  # older cards do not note the seed, which the plan is made from
+    shared = card.rig, card.frame, str(card.points), card.normalisation, planned, plan
+    return *shared, told.get("target", ""), told.get("teacher", "")
 
 
 def _called(card: ModelCard, count: int) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from viewgain.errors import DataError
-from viewgain.evaluation._bootstrap import DRAWS
+from viewgain.evaluation._bootstrap import DRAWS, drawn_weights
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +33,7 @@ def ratio(first: ArrayLike, second: ArrayLike, *, rng: np.random.Generator, draw
     table = np.column_stack([np.asarray(first, dtype=float), np.asarray(second, dtype=float)])
     if len(table) == 0:
         raise DataError("evaluation: got no boxes, wanted some")
-    weights = rng.multinomial(len(table), np.full(len(table), 1 / len(table)), size=draws)
-    drawn = _divided(weights @ table)
+    drawn = _divided(drawn_weights(len(table), rng, draws) @ table)
     low, high = np.quantile(drawn, [0.025, 0.975], method="inverted_cdf")
     return Ratio(float(_divided(table.sum(axis=0)[None])[0]), float(low), float(high))
 

@@ -13,12 +13,13 @@ from viewgain.arrays import Array
 from viewgain.datasets import Dataset, rig_of, with_target
 from viewgain.errors import ConfigError, DataError
 from viewgain.evaluation._bootstrap import Shares, shares_by_object
+from viewgain.evaluation._markdown import markdown_table
 from viewgain.inference import Scorer
 
 UNIFORM2, RELATIVE, ABSOLUTE = "uniform guess", "constant relative answer", "constant absolute position"
 """Names of the floors."""
 SAME, OTHER = "same boxes", "other boxes"
-"""What is judged: test scans of boxes that train, and all that are kept apart."""
+"""What is judged: test scans of boxes that train, and test scans of boxes that do not."""
 _STREAM = 0x7432
 
 
@@ -31,7 +32,7 @@ class Row2:
     same: Shares | None
     """Share of the same boxes' test scans where it names the best position, 95 % interval by box."""
     other: Shares | None
-    """The same on other boxes."""
+    """The same of other boxes' test scans."""
     milliseconds: float | None = None
     """Median CPU time from a scan to its scores, one thread; None where nothing is computed."""
 
@@ -74,7 +75,7 @@ def table2(
         scorers: Networks of whole scans by name, each opened with one thread; none for the floors alone.
         target: As in training (``viewgain.datasets.with_target``).
         captures: Test scans of each box and position that are judged, at most.
-        other: Numbers of the boxes that count as others, judged by all their scans; None for the division ``other_box``.
+        other: Numbers of the boxes that count as others; None for those that the division ``other_box`` keeps apart.
         seed: Of the bootstrap.
 
     Raises:
@@ -185,12 +186,11 @@ def table2_markdown(table: Table2) -> str:
         (row.name, _cell(row.same), _cell(row.other), "" if row.milliseconds is None else f"{row.milliseconds:.1f}")
         for row in table.rows
     ]
-    lines = ["| " + " | ".join(cells) + " |" for cells in (header, ["---"] * len(header), *rows)]
     return "\n".join([
         f"## Table 2: the best position, target {table.target}", "",
         f"Data {table.data}, rig {table.rig}; test scans, {table.captures} per box and position at most. Best position by box:"
         f" {labels}. Trained on boxes {_list(table.same_boxes)}; others {_list(table.other_boxes)}. 95 % intervals by box; of"
-        " so few boxes they are too narrow.", "", *lines,
+        " so few boxes they are too narrow.", "", *markdown_table(header, rows),
     ]) + "\n"  # fmt: skip
 
 

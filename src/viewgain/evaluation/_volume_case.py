@@ -59,10 +59,12 @@ class VolumeSettings:
                 f"evaluate volume: got seed {self.seed} and {self.captures} captures, wanted 0 or more, and"
                 f" {LEAST_CAPTURES} or more"
             )
-        if not 0 < self.side[0] <= self.side[1] or not self.distance > 0:
+        if not 0 < self.side[0] <= self.side[1] < np.inf or not 0 < self.distance < np.inf:
             raise ConfigError(
-                f"evaluate volume: got sides {self.side} and distance {self.distance}, wanted [low, high] and positive numbers"
+                f"evaluate volume: got sides {self.side} and distance {self.distance}, wanted [low, high], positive and finite"
             )
+        if not np.isfinite(self.elevation_deg):
+            raise ConfigError(f"evaluate volume: got elevation {self.elevation_deg}, wanted a finite number of degrees")
         if self.estimator not in ESTIMATORS:
             raise ConfigError(f"estimator: got {self.estimator!r}, wanted one of {', '.join(ESTIMATORS)}")
         if self.fused and self.estimator != "default":

@@ -8,7 +8,7 @@ import numpy as np
 
 from viewgain.arrays import Vector
 from viewgain.errors import ConfigError, ModelError
-from viewgain.evaluation._volume_case import VolumeCase
+from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings
 from viewgain.gain import unrolled
 from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
@@ -46,15 +46,14 @@ class Choice:
 Maker = Callable[[VolumeCase], ViewPolicy]
 """Gives the policy that decides on a case."""
 DECIDING: Mapping[str, Maker] = {
-    "model": lambda case: OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera),
+    "expected": lambda case: OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera),
     "covariance": lambda case: OnBelief(CovariancePolicy(POSE_SIGMA), case.camera),
     "farthest": lambda case: FarthestPolicy(),
 }
-FROM_FILE = {"network": "its scores alone", "combined": "the mean of them and the model's"}
+"""Policies by name, but for networks: ``expected`` goes by the expected error, which is what is scored, ``covariance`` by the
+certainty after fusing, ``farthest`` by the way from the present position."""
+FROM_FILE = {"network": "its scores alone", "combined": "the mean of them and of minus the expected error"}
 """Policies that are named with a file, ``network:FILE.onnx``, and what decides."""
-"""Policies by name, but for networks. ``model`` expects the error that is scored, ``covariance`` the certainty after fusing."""
-DEFAULT_POLICIES = ("model", "covariance", "farthest", "constant", "random", "oracle")
-"""What is compared where nothing is named."""
 
 
 def check_volume_policies(names: tuple[str, ...]) -> None:
@@ -85,13 +84,17 @@ def policy_of(name: str, case: VolumeCase) -> ViewPolicy:
     """
     if name in DECIDING:
         return DECIDING[name](case)
-    kind, _, file = name.partition(":")
-    network = network_policy(file, rig=case.settings.stations().name)
-    return network if kind == "network" else MeanPolicy(DECIDING["model"](case), network)
+    network = network_of(name, case.settings)
+    return MeanPolicy(DECIDING["expected"](case), network) if name.startswith("combined:") else network
+
+
+def network_of(name: str, settings: VolumeSettings) -> ViewPolicy:
+    """Return the policy of the network in a name, ``network:FILE`` or ``combined:FILE``; raises as :func:`policy_of`."""
+    return _network_policy(name.partition(":")[2], rig=settings.stations().name)
 
 
 @lru_cache(maxsize=4)
-def network_policy(file: str, *, rig: str) -> ViewPolicy:
+def _network_policy(file: str, *, rig: str) -> ViewPolicy:
     """Return the policy of a network file: one that is told poses, or one of whole scans with the views of one rig.
 
     Raises:
@@ -105,6 +108,8 @@ def network_policy(file: str, *, rig: str) -> ViewPolicy:
     reason = scorer.refusal(frame="camera", rig=rig)
     if reason or scorer.card.normalisation != "metres":
         raise ConfigError(reason or f"{file}: scores coverage and not volumes; name a network that was trained for volumes")
+    if scorer.card.with_view_state:
+        raise ConfigError(f"{file}: wants to be told the visited views, and here none was visited; name a network without them")
     return StationNetworkPolicy(scorer)
 
 

@@ -11,13 +11,14 @@ from time import process_time
 import numpy as np
 
 from viewgain.arrays import Array, Mask
-from viewgain.datasets import LocalEngine, make_folder, write_whole
+from viewgain.datasets import LocalEngine, write_whole
 from viewgain.errors import DataError
+from viewgain.evaluation._claim import claim, damaged, kept_text
 from viewgain.evaluation._volume_case import VolumeSettings, case_errors, volume_case
-from viewgain.evaluation._volume_choices import DECIDING, Choice, choice, is_from_file, policy_of
+from viewgain.evaluation._volume_choices import DECIDING, Choice, choice, is_from_file, network_of, policy_of
 
-SETTINGS, BOXES = "settings.json", "boxes"
-"""What a folder of results holds: the question, and one file per box."""
+BOXES = "boxes"
+"""Where a folder of results holds one file per box."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,13 +41,13 @@ class VolumeRun:
     """CPU time of each decision, measuring included."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Task:
     settings: VolumeSettings
     number: int
     policies: tuple[str, ...]
-    known: str | None
-    """What a file says of the box; None to work it out."""
+    known: Array | None
+    """(V, 2n) errors that a file says of the box; None to work them out."""
 
 
 Watcher = Callable[[int, int], None]
@@ -74,13 +75,24 @@ def run_boxes(
 
     Raises:
         DataError: If the folder answers another question, a file in it is damaged, or a process died twice on one box.
-        ConfigError: If the settings leave no box.
+        ConfigError: If the settings leave no box, or a network is of another rig or for no volumes.
+        ModelError: If a network's file is missing or damaged.
         StorageError: If the folder cannot be written.
     """
     deciding = tuple(name for name in policies if name in DECIDING or is_from_file(name))
+    for name in filter(is_from_file, deciding):
+        network_of(name, settings)  # a wrong file is said before the first box, which takes its time
     if folder is not None:
-        _claim(folder, settings)
-    tasks = [_Task(settings=settings, number=number, policies=deciding, known=_kept(folder, number)) for number in range(boxes)]
+        claim(folder, {"rig_stations": _digest(settings), **dataclasses.asdict(settings)}, results=folder / BOXES)
+    tasks = [
+        _Task(
+            settings=settings,
+            number=number,
+            policies=deciding,
+            known=None if folder is None else _kept(_file(folder, number), settings),
+        )
+        for number in range(boxes)
+    ]
     done: dict[int, VolumeRun] = {}
     watch(0, boxes)
     for task, run in LocalEngine(workers).run(_worked_out, tasks):
@@ -95,9 +107,7 @@ def run_boxes(
 
 def _worked_out(task: _Task) -> VolumeRun:
     case = volume_case(task.settings, task.number)
-    errors = case_errors(case) if task.known is None else _read(task.known, task.number)
-    if errors.shape != (case.scans.views, 2 * task.settings.captures):
-        raise DataError(f"box {task.number}: its file holds errors {errors.shape}; remove it and run the same command again")
+    errors = case_errors(case) if task.known is None else task.known
     choices, spent = {}, {}
     for name in task.policies:
         policy = policy_of(name, case)
@@ -122,35 +132,23 @@ def _truth(run: VolumeRun) -> str:
     return json.dumps({"box": run.number, "size_m": run.size, "present": run.present, "errors": rows}, allow_nan=False) + "\n"
 
 
-def _read(text: str, number: int) -> Array:
-    try:
-        rows = json.loads(text)["errors"]
-        return np.array([[np.nan if error is None else float(error) for error in row] for row in rows], dtype=float)
-    except (ValueError, TypeError, KeyError) as error:
-        raise DataError(f"box {number}: its file is damaged; remove it and run the same command again") from error
-
-
 def _file(folder: Path, number: int) -> Path:
     return folder / BOXES / f"box{number:05d}.json"
 
 
-def _kept(folder: Path | None, number: int) -> str | None:
-    if folder is None or not _file(folder, number).exists():
+def _kept(file: Path, settings: VolumeSettings) -> Array | None:
+    """Return the (V, 2n) errors that are kept of a box; None if there are none yet."""
+    text = kept_text(file)
+    if text is None:
         return None
-    return _file(folder, number).read_text(encoding="utf-8")
-
-
-def _claim(folder: Path, settings: VolumeSettings) -> None:
-    """Make the folder, or make sure that it answers the same question."""
-    from viewgain import __version__
-
-    make_folder(folder / BOXES)
-    question = {"viewgain": __version__, "rig_stations": _digest(settings), **dataclasses.asdict(settings)}
-    text = json.dumps(question, sort_keys=True) + "\n"
-    file = folder / SETTINGS
-    if file.exists() and file.read_text(encoding="utf-8") != text:
-        raise DataError(f"{folder}: holds results of other settings; name another folder, or ask as its {SETTINGS} does")
-    write_whole(file, text.encode())
+    try:
+        rows = json.loads(text)["errors"]
+        errors = np.array([[np.nan if error is None else float(error) for error in row] for row in rows], dtype=float)
+    except (ValueError, TypeError, KeyError) as error:
+        raise damaged(file) from error
+    if errors.shape != (len(settings.stations().stations), 2 * settings.captures):
+        raise damaged(file)
+    return errors
 
 
 def _digest(settings: VolumeSettings) -> str:

@@ -1,6 +1,7 @@
 """The table of volume planners for people."""
 
 from viewgain.evaluation._bootstrap import Shares
+from viewgain.evaluation._markdown import markdown_table
 from viewgain.evaluation._ratios import Ratio
 from viewgain.evaluation._risk import KEPT
 from viewgain.evaluation._volume_table import VolumeTable
@@ -23,8 +24,7 @@ def volume_markdown(table: VolumeTable) -> str:
         )
         for row in table.rows
     ]
-    lines = ["| " + " | ".join(cells) + " |" for cells in (_HEADER, ["---"] * len(_HEADER), *rows)]
-    return "\n".join([*_heading(table), "", *lines, *_risks(table)]) + "\n"
+    return "\n".join([*_heading(table), "", *markdown_table(_HEADER, rows), *_risks(table)]) + "\n"
 
 
 def _risks(table: VolumeTable) -> list[str]:
@@ -33,9 +33,8 @@ def _risks(table: VolumeTable) -> list[str]:
     if not rows:
         return []
     header = ("points of error above the best position, deciding on", *(f"{share:.0%} of boxes" for share in KEPT))
-    cells = [header, ["---"] * len(header), *rows]
-    return ["", *("| " + " | ".join(row) + " |" for row in cells), "", "Left out first: boxes where a policy's best and next best"
-            " position are nearest to each other by its own scores."]  # fmt: skip
+    order = "Left out first: boxes where a policy's best and next best position are nearest to each other by its own scores."
+    return ["", *markdown_table(header, rows), "", order]
 
 
 def _heading(table: VolumeTable) -> list[str]:

@@ -5,14 +5,14 @@ import os
 import secrets
 from pathlib import Path
 
-from viewgain.errors import ConfigError
+from viewgain.errors import StorageError
 
 
 def make_folder(folder: Path) -> None:
     """Create a folder and its parents; one that exists is kept.
 
     Raises:
-        ConfigError: If it cannot be created.
+        StorageError: If it cannot be created.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -24,7 +24,7 @@ def write_whole(path: Path, content: bytes) -> None:
     """Write a file beside its place and move it there, so that a reader never meets half of it.
 
     Raises:
-        ConfigError: If the folder is missing, full or not writable; nothing is left behind.
+        StorageError: If the folder is missing, full or not writable; nothing is left behind.
     """
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     try:
@@ -42,7 +42,7 @@ def to_json(content: object) -> bytes:
     return (json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
-def _cannot_write(path: Path, error: OSError) -> ConfigError:
+def _cannot_write(path: Path, error: OSError) -> StorageError:
     reason = error.strerror or type(error).__name__
-    text = f"{os.fspath(path)}: the report cannot be written ({reason}); check the folder and its free space"
-    return ConfigError("".join(sign if sign.isprintable() else "?" for sign in text))
+    text = f"{os.fspath(path)}: cannot be written ({reason}); check the folder and its free space"
+    return StorageError("".join(sign if sign.isprintable() else "?" for sign in text))

@@ -38,7 +38,7 @@ def write_report(episode: Episode, folder: Path) -> Path:
 
     Raises:
         MissingExtraError: If matplotlib or jinja2 is not installed.
-        ConfigError: If the folder cannot be written.
+        StorageError: If the folder cannot be written.
     """
     require_extra()
     from viewgain.report._page import render_page
@@ -68,7 +68,8 @@ def save_scan_picture(scan: Scan, measurement: Measurement, path: Path, next_vie
 
     Raises:
         MissingExtraError: If matplotlib or jinja2 is not installed.
-        ConfigError: If ``path`` is no .png file or cannot be written.
+        ConfigError: If ``path`` is no .png file.
+        StorageError: If it cannot be written.
     """
     path = Path(path)
     if path.suffix.lower() != ".png":
@@ -95,7 +96,7 @@ def write_training_picture(lines: Sequence[Mapping[str, Any]], path: Path) -> Pa
 
     Raises:
         MissingExtraError: If matplotlib or jinja2 is not installed.
-        ConfigError: If ``path`` cannot be written.
+        StorageError: If ``path`` cannot be written.
     """
     require_extra()
     from viewgain.report._training_picture import training_figure
@@ -115,7 +116,8 @@ def write_coverage_picture(tables: Sequence[CoverageTable], path: Path) -> Path:
 
     Raises:
         MissingExtraError: If matplotlib or jinja2 is not installed.
-        ConfigError: If there is no table, or ``path`` cannot be written.
+        ConfigError: If there is no table.
+        StorageError: If ``path`` cannot be written.
     """
     _require_tables(tables)
     from viewgain.report._coverage_picture import coverage_figure
@@ -135,7 +137,8 @@ def write_table1_picture(tables: Sequence[Table1], path: Path) -> Path:
 
     Raises:
         MissingExtraError: If matplotlib or jinja2 is not installed.
-        ConfigError: If there is no table, or ``path`` cannot be written.
+        ConfigError: If there is no table.
+        StorageError: If ``path`` cannot be written.
     """
     _require_tables(tables)
     from viewgain.report._table1_picture import table1_figure

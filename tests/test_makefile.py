@@ -1,0 +1,60 @@
+"""What ``make`` runs, with a stand-in for the program: nothing is installed and nothing trains."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+STAND_IN = """#!/bin/sh
+echo "$@" >> calls
+case "$1" in train)
+    case "$2" in --resume) run=$3;; *) run=$6;; esac
+    mkdir -p "$run" && touch "$run/run.json"
+    test ! -e interrupt || exit 130
+esac
+"""
+RECIPES = ("volume_paper_short", "volume_paper_tally")
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A folder in which everything is installed, as far as make can tell."""
+    for name in ("Makefile", "pyproject.toml", "constraints.txt"):
+        shutil.copyfile(ROOT / name, tmp_path / name)
+        os.utime(tmp_path / name, (0, 0))
+    program = tmp_path / ".venv" / "bin" / "viewgain"
+    program.parent.mkdir(parents=True)
+    program.write_text(STAND_IN)
+    program.chmod(0o755)
+    for at, name in enumerate(("venv", "demo", "dev"), start=1):
+        stamp = tmp_path / ".venv" / f"{name}.stamp"
+        stamp.touch()
+        os.utime(stamp, (at, at))
+    return tmp_path
+
+
+def made(checkout: Path) -> tuple[int, list[str]]:
+    """Return the exit code of make table2, and the trainings it asked for since the last time."""
+    (checkout / "calls").write_text("")
+    code = subprocess.run(["make", "table2"], cwd=checkout, capture_output=True, timeout=60, check=False).returncode
+    return code, [line for line in (checkout / "calls").read_text().splitlines() if line.startswith("train")]
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
+def test_table2_goes_on_with_an_interrupted_run_and_skips_a_finished_one(checkout: Path) -> None:
+    rest = "--data data/boxes --minutes 30"
+    fresh = [f"train {name} --data data/boxes --out runs/{name} --minutes 30" for name in RECIPES]
+    (checkout / "interrupt").touch()
+    code, trained = made(checkout)
+    assert code != 0
+    assert trained == fresh[:1]
+    code, trained = made(checkout)
+    assert code != 0
+    assert trained == [f"train --resume runs/{RECIPES[0]} {rest}"]
+    (checkout / "interrupt").unlink()
+    assert made(checkout) == (0, [f"train --resume runs/{RECIPES[0]} {rest}", fresh[1]])
+    assert made(checkout) == (0, [])
+    assert (checkout / "calls").read_text().count("evaluate table2") == 2
