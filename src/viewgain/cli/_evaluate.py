@@ -1,18 +1,20 @@
 """``viewgain evaluate``: networks beside floors, with intervals."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 
-from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1, Judging
+from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1
 from viewgain.cli._evaluate_coverage import covered
+from viewgain.cli._evaluate_map import run_evaluate_map
+from viewgain.cli._evaluate_real import run_evaluate_real
 from viewgain.cli._evaluate_table2 import run_evaluate_table2
 from viewgain.cli._evaluate_volume import run_evaluate_volume
 from viewgain.cli._exit import NOT_WRITTEN, print_error
+from viewgain.cli._finish import finish
 from viewgain.cli._judging import check_options, judged_data, named_scorers, note
-from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
-from viewgain.datasets import Dataset, Frame, make_folder, rig_of, write_whole
-from viewgain.errors import ConfigError, MissingExtraError, StorageError
+from viewgain.cli._volume_commands import EvaluateMap, EvaluateReal, EvaluateTable2, EvaluateVolume
+from viewgain.datasets import Dataset, Frame, rig_of
+from viewgain.errors import ConfigError, StorageError
 from viewgain.evaluation import (
     SEEN,
     Judgement,
@@ -37,6 +39,10 @@ def run_evaluate(command: Evaluate) -> int:
     try:
         if isinstance(command.action, EvaluateVolume):
             return run_evaluate_volume(command.action)
+        if isinstance(command.action, EvaluateMap):
+            return run_evaluate_map(command.action)
+        if isinstance(command.action, EvaluateReal):
+            return run_evaluate_real(command.action)
         if isinstance(command.action, EvaluateTable2):
             return run_evaluate_table2(command.action)
         if isinstance(command.action, EvaluateTable1):
@@ -60,9 +66,10 @@ def _table1(command: EvaluateTable1) -> int:
             parts = mesh_parts(data) if options.meshes is not None else fresh_parts(data, command.split)
         framed = _by_frame(command, data, named)
         tables = [table for frame, each in framed for table in _judged(command, data, parts, frame, each)]
-    _finish(
-        options,
+    finish(
         "table1",
+        out=options.out,
+        json=options.json,
         as_json="".join(json.dumps(table.to_dict(), allow_nan=False) + "\n" for table in tables),
         as_markdown="\n".join(map(to_markdown, tables)),
         draw=lambda path: write_table1_picture(tables, path),
@@ -92,32 +99,15 @@ def _refuse(scorers: dict[str, Scorer], frame: Frame, rig: str) -> None:
 
 def _coverage(command: EvaluateCoverage) -> int:
     tables = covered(command)
-    _finish(
-        command.judging,
+    finish(
         "coverage",
+        out=command.judging.out,
+        json=command.judging.json,
         as_json="".join(json.dumps(table.to_dict(), allow_nan=False) + "\n" for table in tables),
         as_markdown="\n".join(map(coverage_to_markdown, tables)),
         draw=lambda path: write_coverage_picture(tables, path),
     )
     return 0
-
-
-def _finish(options: Judging, name: str, *, as_json: str, as_markdown: str, draw: Callable[[Path], object]) -> None:
-    """Print an answer, and write it where a folder is named; without the extra there is no picture.
-
-    Raises:
-        StorageError: If it cannot be written.
-    """
-    print(as_json if options.json else as_markdown, end="")
-    if options.out is None:
-        return
-    make_folder(options.out)
-    write_whole(options.out / f"{name}.json", as_json.encode())
-    write_whole(options.out / f"{name}.md", as_markdown.encode())
-    try:
-        draw(options.out / f"{name}.png")
-    except MissingExtraError as error:
-        note(f"no picture: {error}")
 
 
 def _by_frame(command: EvaluateTable1, data: Dataset, named: dict[str, Scorer]) -> Sequence[tuple[Frame, dict[str, Scorer]]]:
