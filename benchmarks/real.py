@@ -2,15 +2,19 @@
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks._data import data_folder
 from benchmarks._tables import markdown, percent
+from viewgain.arrays import Pose
 from viewgain.cli._text import plan_words
-from viewgain.measure import BoxEstimate, Measurement, fuse_measurements, measure
-from viewgain.plan import next_view
+from viewgain.geometry import inverse
+from viewgain.measure import POSE_SIGMA, BoxEstimate, Measurement, fuse_measurements, measure
+from viewgain.plan import CovariancePolicy, ExpectedErrorPolicy, Policy, next_view
+from viewgain.plan._belief import belief_from
 from viewgain.scans import read_scan
 
 SCANS = {
@@ -56,6 +60,7 @@ def run(options: argparse.Namespace) -> None:
     header = ("scan", "length x width x height [m]", "sigma [mm]", "volume [m3]", "90 % interval [m3]", "flags", "known")
     print(markdown(header, [row for name, result in results.items() for row in _rows(name, result)]))
     _print_views(results)
+    _print_predicted(results)
     print("\n## Next view on them, rig ring8\n")
     plans = [row for name, result in results.items() for row in _plan(name, result)]
     print(markdown(("scan", "scores of views 0-7", "best", "it would see", "stop at 5 %, 95 %"), plans))
@@ -107,6 +112,77 @@ def _views_row(name: str, volume: float, results: Sequence[Measurement]) -> tupl
         f"{found.min():.5f} to {found.max():.5f}", f"{sum(_holds(box, volume) for box in boxes)} of {len(boxes)}",
         percent(float(np.median(half)), 1), *joint,
     )  # fmt: skip
+
+
+def _print_predicted(results: dict[str, Measurement]) -> None:
+    """Print whether the view that is predicted to measure best, among those that were taken, has the smallest error bar."""
+    print("\n### Is the error bar of the predicted best view smaller than that of the others?\n")
+    print(
+        "From each scan of a box the places of its scans (found by fusing without poses) are ranked. Alone: all places, by the\n"
+        "expected error of a scan from there alone. Fused: the others, by the predicted covariance after fusing. Bar: standard\n"
+        "deviation of the volume over the volume, of each scan alone, or fused with the one that decides. Rows of one box that\n"
+        "rank the same scans are one question, not several.\n"
+    )
+    rows = [
+        row
+        for name, (volume, scans) in VIEWS.items()
+        for row in _predicted_rows(name, volume, {scan: results[scan] for scan in scans})
+    ]
+    print(markdown(("box", "how", "from", "ranked", "predicted", "bars", "predicted best", "its bar is the smallest"), rows))
+    for how in ("alone", "fused"):
+        mine = [row for row in rows if row[1] == how]
+        by_chance = sum(1 / row[4].count("%") for row in mine)
+        print(f"\n{how}: smallest in {sum(row[-1] == 'yes' for row in mine)} of {len(mine)} rows; {by_chance:.1f} by chance.")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Placed:
+    """A scan of a box that several show."""
+
+    scan: str
+    result: Measurement
+    pose: Pose
+    """(4, 4) of its camera, in a frame that all share."""
+    box: BoxEstimate
+
+
+def _predicted_rows(name: str, volume: float, results: dict[str, Measurement]) -> list[tuple[str, ...]]:
+    """Return two rows per scan to decide by; scans whose place among the others is unknown, or volume open, are left out."""
+    poses = fuse_measurements(list(results.values())).camera_poses
+    known = [
+        _Placed(scan, result, pose, box)
+        for (scan, result), pose in zip(results.items(), poses, strict=True)
+        if pose is not None and (box := _nearest(result, volume)) is not None and box.volume_sigma is not None
+    ]
+    rows = []
+    for here in known:
+        bars = [_bar(each.box) for each in known]
+        rows.append(_predicted_row(name, "alone", here, known, ExpectedErrorPolicy(fused=False), bars))
+        others = [each for each in known if each is not here]
+        joint = [_bar(_nearest(fuse_measurements([here.result, each.result]), volume)) for each in others]
+        rows.append(_predicted_row(name, "fused", here, others, CovariancePolicy(POSE_SIGMA), joint))
+    return [row for row in rows if row[4].count("%") > 1]  # of one place there is nothing to choose
+
+
+def _predicted_row(
+    name: str, how: str, here: _Placed, ranked: Sequence[_Placed], policy: Policy, bars: Sequence[float]
+) -> tuple[str, ...]:
+    there = np.stack([inverse(here.pose) @ each.pose for each in ranked])
+    assessed = policy.assess(belief_from(here.box), there, 0.05)
+    outlooks = [each.outlook for each in assessed]
+    predicted = [
+        1 - each.score if after is None else after.volume_sigma / here.box.volume
+        for each, after in zip(assessed, outlooks, strict=True)
+    ]
+    best = int(np.argmin(predicted))
+    cells = (", ".join(percent(value, 1) for value in values) for values in (predicted, bars))
+    names = ", ".join(Path(each.scan).stem for each in ranked)
+    smallest = "yes" if bars[best] == min(bars) else "no"
+    return (name, how, Path(here.scan).stem, names, *cells, Path(ranked[best].scan).stem, smallest)
+
+
+def _bar(box: BoxEstimate | None) -> float:
+    return np.inf if box is None or box.volume_sigma is None else box.volume_sigma / box.volume
 
 
 def _nearest(result: Measurement, volume: float) -> BoxEstimate | None:

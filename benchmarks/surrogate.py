@@ -9,11 +9,11 @@ from scipy.stats import spearmanr
 from benchmarks._tables import bootstrap, markdown, percent
 from viewgain.datasets import volume_alone, volume_fused
 from viewgain.evaluation import (
-    PositionScores,
     VolumeRun,
     VolumeSettings,
     best_positions,
     position_scores,
+    rank_correlation,
     run_boxes,
     volume_case,
     worth,
@@ -57,7 +57,8 @@ def _row(settings: VolumeSettings, runs: Sequence[VolumeRun]) -> tuple[str, ...]
     chosen = [int(np.argmin(np.where(box.allowed, each, np.inf))) for box, each in zip(scores, expected, strict=True)]
     real = np.concatenate([box.mean[box.allowed] for box in scores])
     said = np.concatenate([each[box.allowed] for box, each in zip(scores, expected, strict=True)])
-    within = [r for box, each in zip(scores, expected, strict=True) if np.isfinite(r := _correlation(box, each))]
+    correlations = [rank_correlation(box.mean, each, box.allowed) for box, each in zip(scores, expected, strict=True)]
+    within = [correlation for correlation in correlations if correlation is not None]
     best = [float(best_positions(box)[place]) for box, place in zip(scores, chosen, strict=True)]
     near = [float(worth(box)[place, 1]) for box, place in zip(scores, chosen, strict=True)]
     above = [float(box.mean[place] - box.mean[box.least]) for box, place in zip(scores, chosen, strict=True)]
@@ -76,14 +77,6 @@ def _expected(settings: VolumeSettings, number: int) -> np.ndarray:
     if settings.fused:
         return -volume_fused(case.box, case.stations[case.present], case.stations, case.camera)
     return -volume_alone(case.box, case.stations, case.camera)
-
-
-def _correlation(box: PositionScores, expected: np.ndarray) -> float:
-    """Return the rank correlation over one box's positions; NaN where all of them are alike, or there are only two."""
-    real, said = box.mean[box.allowed], expected[box.allowed]
-    if len(real) < 3 or np.ptp(real) == 0 or np.ptp(said) == 0:
-        return float("nan")
-    return float(spearmanr(said, real).statistic)
 
 
 def _with_interval(values: Sequence[float], scale: float = 100.0) -> str:

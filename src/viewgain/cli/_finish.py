@@ -17,7 +17,7 @@ def finish(
     out: Path | None,
     draw: Callable[[Path], object] | None = None,
 ) -> None:
-    """Print an answer, and write it where a folder is named; without the extra there is no picture.
+    """Print an answer, and write it where a folder is named.
 
     Args:
         name: Of the files, without ending.
@@ -37,7 +37,16 @@ def finish(
     write_whole(out / f"{name}.json", as_json.encode())
     write_whole(out / f"{name}.md", as_markdown.encode())
     if draw is not None:
-        try:
-            draw(out / f"{name}.png")
-        except MissingExtraError as error:
-            note(f"no picture: {error}")
+        write_picture(out / f"{name}.png", draw)
+
+
+def write_picture(path: Path, draw: Callable[[Path], object]) -> None:
+    """Have a picture drawn; without the extra there is none, and a note says so.
+
+    Raises:
+        StorageError: If it cannot be written.
+    """
+    try:
+        draw(path)
+    except MissingExtraError as error:
+        note(f"no picture: {error}")

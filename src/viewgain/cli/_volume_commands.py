@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import tyro
+
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluateVolume:
@@ -36,6 +38,54 @@ class EvaluateVolume:
     """One JSON object, one line, and nothing else on stdout."""
     out: Path | None = None
     """Folder of the results: what every box took is kept, so the same command goes on where it was; volume.md and volume.json."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateMap:
+    """Draw what every position around one fresh box is worth: the truth of many scans, and what each policy believes."""
+
+    box: int = 0
+    """Which box of the seed, the same as that of evaluate volume."""
+    seed: int = 0
+    """Source of box and scans."""
+    rig: str = "hemisphere48"
+    """Positions: hemisphere<N>, ring<N>, irregular4, ... (docs/rigs.md), or a TOML file; one in each direction."""
+    camera: str = "pico_flexx"
+    """Camera preset (docs/cameras.md) or a TOML file."""
+    policies: tuple[str, ...] = ("expected", "covariance")
+    """Who decides: expected, covariance, farthest, network:FILE.onnx, combined:FILE.onnx."""
+    estimator: str = "default"
+    """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
+    captures: int = 8
+    """Scans of each position whose mean error is the truth."""
+    fused: bool = False
+    """A position is worth what its scan and the present one say together (default estimator only)."""
+    side: tuple[float, float] = (0.05, 1.2)
+    """Least and longest side of the box, metres."""
+    distance: float = 1.2
+    """For stations that leave it open, metres from the centre."""
+    elevation: float = 35.0
+    """For stations that leave it open, degrees."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder to write map.md, map.json and (extra: report) map.png into."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateReal:
+    """Say what each policy would do next on real scans, why, and how far policies agree; nobody knows the truth there."""
+
+    scans: tyro.conf.Positional[tuple[Path, ...]]
+    """Scan files (docs/formats.md), and folders of them; what cannot be read in a folder is left out and named."""
+    rig: str = "ring8"
+    """Candidates: ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
+    policies: tuple[str, ...] = ("covariance", "expected")
+    """Who decides: covariance, expected, network:FILE.onnx, combined:FILE.onnx."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder to write real.md, real.json and (extra: report) a picture per scan into."""
 
 
 @dataclass(frozen=True, kw_only=True)

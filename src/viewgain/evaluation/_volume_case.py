@@ -1,5 +1,6 @@
 """Fresh boxes from a seed, and what every position of a rig is worth for measuring each: what planners are held to."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -159,19 +160,23 @@ def case_errors(case: VolumeCase) -> Array:
     NaN for a miss, and for positions that cannot be reached. Fused, each scan is joined with the one to decide by,
     always the same: what is asked is what this very decision is worth.
     """
-    settings = case.settings
-    numbers = range(2 * settings.captures)
-    errors = np.full((case.scans.views, len(numbers)), np.nan)
+    return errors_of_scans(case, range(2 * case.settings.captures))
+
+
+def errors_of_scans(case: VolumeCase, numbers: Iterable[int]) -> Array:
+    """Return (V, k) relative volume errors of k scans of each position, named by number, as :func:`case_errors` has them."""
+    settings, chosen = case.settings, list(numbers)
+    errors = np.full((case.scans.views, len(chosen)), np.nan)
     if settings.fused:
-        known = _or_none(case, case.present, len(numbers))
+        known = _or_none(case, case.present, 2 * settings.captures)
         for view in np.flatnonzero(case.reachable).tolist():
-            errors[view] = [_fused_error(case, known, view, number) for number in numbers]
+            errors[view] = [_fused_error(case, known, view, number) for number in chosen]
         return errors
     measured = _never_failing(volume_estimator(settings.estimator, case.camera))
     for view in np.flatnonzero(case.reachable).tolist():
-        for number in numbers:
+        for column, number in enumerate(chosen):
             scan = case.scans.scan(view, number)
-            errors[view, number] = np.nan if scan is None else measured(scan) / case.box.volume - 1
+            errors[view, column] = np.nan if scan is None else measured(scan) / case.box.volume - 1
     return errors
 
 

@@ -20,6 +20,7 @@ from viewgain.plan._policy import Assessment as Assessment
 from viewgain.plan._policy import CovariancePolicy as CovariancePolicy
 from viewgain.plan._policy import Policy as Policy
 from viewgain.plan._policy import RandomPolicy as RandomPolicy
+from viewgain.plan._predict import MIN_FACE_PIXELS as MIN_FACE_PIXELS
 from viewgain.plan._predict import Prediction as Prediction
 from viewgain.plan._predict import predict as predict
 from viewgain.plan._showing import Showing as Showing
@@ -35,3 +36,4 @@ from viewgain.plan._volume_network import VolumeNetworkPolicy as VolumeNetworkPo
 from viewgain.plan._volumetric import Mapper as Mapper
 from viewgain.plan._volumetric import VolumetricPolicy as VolumetricPolicy
 from viewgain.plan._words import directions_in_words as directions_in_words
+from viewgain.plan._words import turn_about as turn_about

@@ -104,7 +104,7 @@ class ExpectedErrorPolicy:
     """Whether the candidate is fused with what is known, or has to measure the box alone."""
     pose_sigma: tuple[float, float] = POSE_SIGMA
     """Standard deviation of a camera pose, metres and radians per axis."""
-    name: str = "model"
+    name: str = "expected"
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return one assessment per candidate; the score is 1 minus the expected error."""

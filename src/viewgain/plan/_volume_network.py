@@ -49,7 +49,10 @@ class MeanPolicy:
 
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) means of the scores that are there; NaN where none is."""
-        one, two = self.first.scores(seen), self.second.scores(seen)
+        return self.mean(self.first.scores(seen), self.second.scores(seen))
+
+    def mean(self, one: Vector, two: Vector) -> Vector:
+        """Return (V,) weighted means of (V,) numbers of the first and of the second, of one where the other's is NaN."""
         mean = self.weight * one + (1 - self.weight) * two
         return np.where(np.isnan(one), two, np.where(np.isnan(two), one, mean))
 

@@ -14,7 +14,7 @@ def directions_in_words(camera_to_current: Pose, target: Vector3, up: Vector3) -
         up: (3,) the floor's normal, present camera's frame.
     """
     before, after = -target, camera_to_current[:3, 3] - target
-    turn = _turn(before, after, up)
+    turn = turn_about(before, after, up)
     rise = float((after - before) @ up)
     further = float(np.linalg.norm(after) - np.linalg.norm(before))
     parts = []
@@ -30,7 +30,7 @@ def directions_in_words(camera_to_current: Pose, target: Vector3, up: Vector3) -
     return f"move {', '.join([*parts, distance])}"
 
 
-def _turn(before: Vector3, after: Vector3, up: Vector3) -> float:
+def turn_about(before: Vector3, after: Vector3, up: Vector3) -> float:
     """Return the turn about ``up`` in degrees, positive to the camera's right; 0 if either is straight overhead."""
     level_before, level_after = before - (before @ up) * up, after - (after @ up) * up
     if min(np.linalg.norm(level_before), np.linalg.norm(level_after)) < 1e-6:

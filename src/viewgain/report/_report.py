@@ -8,7 +8,7 @@ from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.episodes import Episode
 from viewgain.errors import ConfigError
-from viewgain.evaluation import CoverageTable, Table1
+from viewgain.evaluation import CoverageTable, GainMap, RealRanking, Table1
 from viewgain.geometry import inverse
 from viewgain.measure import Measurement
 from viewgain.plan import NextView
@@ -84,6 +84,34 @@ def save_scan_picture(scan: Scan, measurement: Measurement, path: Path, next_vie
     return path
 
 
+def write_ranking_picture(scan: Scan, ranking: RealRanking, path: Path) -> Path:
+    """Save the range image of a real scan with its boxes and, beside it, where each policy would go next.
+
+    Args:
+        scan: The scan.
+        ranking: What was made of it.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If ``path`` cannot be written.
+    """
+    require_extra()
+    from viewgain.report._style import side_by_side, to_png
+
+    figures = [draw_scan(scan, ranking.measured, sizes=True)]
+    figures += [
+        draw_scene(scan, ranking.measured, plan, heading=f"Where next? {name.partition(':')[0]}")
+        for name, plan in ranking.plans.items()
+        if plan.candidates
+    ]
+    write_whole(path, side_by_side([to_png(figure) for figure in figures]))
+    return path
+
+
 def write_training_picture(lines: Sequence[Mapping[str, Any]], path: Path) -> Path:
     """Save the curves of a training run: losses by step, and how often its choice was the best view.
 
@@ -144,6 +172,26 @@ def write_table1_picture(tables: Sequence[Table1], path: Path) -> Path:
     from viewgain.report._table1_picture import table1_figure
 
     return _saved(table1_figure(tables), path)
+
+
+def write_map_picture(drawn: GainMap, path: Path) -> Path:
+    """Save the maps of what every position around a box is worth, the truth first and what each policy believes beside it.
+
+    Args:
+        drawn: The maps.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If ``path`` cannot be written.
+    """
+    require_extra()
+    from viewgain.report._map_picture import map_figure
+
+    return _saved(map_figure(drawn), path)
 
 
 def _require_tables(tables: Sequence[object]) -> None:
