@@ -5,11 +5,12 @@ from collections.abc import Iterator, Sequence
 
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1
 from viewgain.cli._evaluate_coverage import covered
+from viewgain.cli._evaluate_loop import run_evaluate_loop
 from viewgain.cli._evaluate_table2 import run_evaluate_table2
 from viewgain.cli._evaluate_volume import run_evaluate_volume
 from viewgain.cli._finish import finish
 from viewgain.cli._judging import check_options, judged_data, named_scorers, note
-from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
+from viewgain.cli._volume_commands import EvaluateLoop, EvaluateTable2, EvaluateVolume
 from viewgain.datasets import Dataset, Frame, rig_of
 from viewgain.errors import ConfigError
 from viewgain.evaluation import (
@@ -39,6 +40,8 @@ def run_evaluate(command: Evaluate) -> int:
     """
     if isinstance(command.action, EvaluateVolume):
         return run_evaluate_volume(command.action)
+    if isinstance(command.action, EvaluateLoop):
+        return run_evaluate_loop(command.action)
     if isinstance(command.action, EvaluateTable2):
         return run_evaluate_table2(command.action)
     if isinstance(command.action, EvaluateTable1):

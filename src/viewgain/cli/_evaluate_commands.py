@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from viewgain.cli._volume_commands import EvaluateTable2, EvaluateVolume
+from viewgain.cli._volume_commands import EvaluateLoop, EvaluateTable2, EvaluateVolume
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,5 +72,6 @@ class Evaluate:
         | Annotated[EvaluateTable2, tyro.conf.subcommand("table2")]
         | Annotated[EvaluateCoverage, tyro.conf.subcommand("coverage")]
         | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
+        | Annotated[EvaluateLoop, tyro.conf.subcommand("loop")]
     ]
     """Which table."""

@@ -1,6 +1,7 @@
 """How good choices of views are, beside what answers without learning get (the paper's Table 1); docs/evaluation.md."""
 
 from viewgain.evaluation._bootstrap import difference_by_object as difference_by_object
+from viewgain.evaluation._bootstrap import median_by_object as median_by_object
 from viewgain.evaluation._bootstrap import quotient_of_groups as quotient_of_groups
 from viewgain.evaluation._bootstrap import ratio_by_object as ratio_by_object
 from viewgain.evaluation._bootstrap import shares_by_object as shares_by_object
@@ -21,6 +22,17 @@ from viewgain.evaluation._fitting import of_frame as of_frame
 from viewgain.evaluation._fitting import shipped_scorers as shipped_scorers
 from viewgain.evaluation._folds import leave_out as leave_out
 from viewgain.evaluation._judged import Judged as Judged
+from viewgain.evaluation._loop_case import Loop as Loop
+from viewgain.evaluation._loop_case import LoopSettings as LoopSettings
+from viewgain.evaluation._loop_play import LoopPlay as LoopPlay
+from viewgain.evaluation._loop_play import loop_play as loop_play
+from viewgain.evaluation._loop_policies import LOOP_FLOORS as LOOP_FLOORS
+from viewgain.evaluation._loop_policies import LOOP_POLICIES as LOOP_POLICIES
+from viewgain.evaluation._loop_policies import check_loop_policies as check_loop_policies
+from viewgain.evaluation._loop_runs import loop_boxes as loop_boxes
+from viewgain.evaluation._loop_table import LoopTable as LoopTable
+from viewgain.evaluation._loop_table import loop_table as loop_table
+from viewgain.evaluation._loop_words import loop_markdown as loop_markdown
 from viewgain.evaluation._markdown import COLUMNS as COLUMNS
 from viewgain.evaluation._markdown import markdown_table as markdown_table
 from viewgain.evaluation._markdown import to_markdown as to_markdown

@@ -8,7 +8,7 @@ from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.episodes import Episode
 from viewgain.errors import ConfigError
-from viewgain.evaluation import CoverageTable, Table1
+from viewgain.evaluation import CoverageTable, LoopTable, Table1
 from viewgain.geometry import inverse
 from viewgain.measure import Measurement
 from viewgain.plan import NextView
@@ -144,6 +144,26 @@ def write_table1_picture(tables: Sequence[Table1], path: Path) -> Path:
     from viewgain.report._table1_picture import table1_figure
 
     return _saved(table1_figure(tables), path)
+
+
+def write_loop_picture(table: LoopTable, path: Path) -> Path:
+    """Save the picture of a closed loop: mean volume error by number of views with 95 % intervals, a curve per policy.
+
+    Args:
+        table: The table; the oracle, which has no errors view after view, is not in the picture.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If no policy has errors view after view, or ``path`` cannot be written.
+    """
+    _require_tables([row for row in table.rows if row.errors is not None])
+    from viewgain.report._loop_picture import loop_figure
+
+    return _saved(loop_figure(table), path)
 
 
 def _require_tables(tables: Sequence[object]) -> None:
