@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 volume-nbv setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 volume-nbv loop-nbv setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -79,6 +79,9 @@ volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume
 	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --out tables/volume $(ARGS)
 	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --estimator lines_published --out tables/volume-lines $(ARGS)
 	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
+
+loop-nbv: $(VENV)/dev.stamp ## Print how many views planners need until a box's volume is certain, on fresh boxes (hours; goes on where it was)
+	$(BIN)/viewgain evaluate loop --boxes 100 --seed 7 --workers 2 --out tables/loop $(ARGS)
 
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 

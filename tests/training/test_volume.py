@@ -62,6 +62,16 @@ def test_a_network_is_trained_exported_and_asked_on_fresh_boxes(
     assert [row["name"] for row in table["rows"]] == [*policies[1:3], "uniform guess"]
     assert all(row["undecided"] == 0 for row in table["rows"])
     assert 0 < table["rows"][0]["milliseconds"] < table["rows"][1]["milliseconds"]
+    out, copy = tmp_path / "loop", tmp_path / "copy.onnx"
+    looped = ["--boxes", "2", "--rig", "ring2", "--most-views", "2", "--side", "0.2", "0.3", "--out", str(out), "--json"]
+    assert main(["evaluate", "loop", *looped, *policies]) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert [(row["name"], row["undecided"]) for row in rows] == [(name, 0) for name in policies[1:]]
+    copy.write_bytes(file.read_bytes())
+    kept = [each.read_text() for each in sorted((out / "boxes").iterdir())]
+    assert main(["evaluate", "loop", *looped, "--policies", f"network:{copy}"]) == 0  # known by what it holds: not played again
+    assert json.loads(capsys.readouterr().out)["rows"][0]["errors"] == rows[0]["errors"]
+    assert [each.read_text() for each in sorted((out / "boxes").iterdir())] == kept
     assert main(["simulate", "--out", str(tmp_path / "scans"), "--seed", "3"]) == 0
     scan = next((tmp_path / "scans").rglob("*.npz"))
     capsys.readouterr()

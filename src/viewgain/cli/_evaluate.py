@@ -5,13 +5,14 @@ from collections.abc import Iterator, Sequence
 
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1
 from viewgain.cli._evaluate_coverage import covered
+from viewgain.cli._evaluate_loop import run_evaluate_loop
 from viewgain.cli._evaluate_map import run_evaluate_map
 from viewgain.cli._evaluate_real import run_evaluate_real
 from viewgain.cli._evaluate_table2 import run_evaluate_table2
 from viewgain.cli._evaluate_volume import run_evaluate_volume
 from viewgain.cli._finish import finish
 from viewgain.cli._judging import check_options, judged_data, named_scorers, note
-from viewgain.cli._volume_commands import EvaluateMap, EvaluateReal, EvaluateTable2, EvaluateVolume
+from viewgain.cli._volume_commands import EvaluateLoop, EvaluateMap, EvaluateReal, EvaluateTable2, EvaluateVolume
 from viewgain.datasets import Dataset, Frame, rig_of
 from viewgain.errors import ConfigError
 from viewgain.evaluation import (
@@ -45,6 +46,8 @@ def run_evaluate(command: Evaluate) -> int:
         return run_evaluate_map(command.action)
     if isinstance(command.action, EvaluateReal):
         return run_evaluate_real(command.action)
+    if isinstance(command.action, EvaluateLoop):
+        return run_evaluate_loop(command.action)
     if isinstance(command.action, EvaluateTable2):
         return run_evaluate_table2(command.action)
     if isinstance(command.action, EvaluateTable1):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from viewgain.cli._volume_commands import EvaluateMap, EvaluateReal, EvaluateTable2, EvaluateVolume
+from viewgain.cli._volume_commands import EvaluateLoop, EvaluateMap, EvaluateReal, EvaluateTable2, EvaluateVolume
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,5 +74,6 @@ class Evaluate:
         | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
         | Annotated[EvaluateMap, tyro.conf.subcommand("map")]
         | Annotated[EvaluateReal, tyro.conf.subcommand("real")]
+        | Annotated[EvaluateLoop, tyro.conf.subcommand("loop")]
     ]
     """Which table."""

@@ -29,7 +29,7 @@ def run_evaluate_volume(command: EvaluateVolume) -> int:
         distance=command.distance,
         elevation_deg=command.elevation,
     )
-    with _bar() as watch:
+    with boxes_bar() as watch:
         runs = run_boxes(settings, command.boxes, command.policies, workers=command.workers, folder=command.out, watch=watch)
     table = volume_table(settings, runs, command.policies)
     finish(
@@ -43,7 +43,7 @@ def run_evaluate_volume(command: EvaluateVolume) -> int:
 
 
 @contextmanager
-def _bar() -> Iterator[Callable[[int, int], None]]:
+def boxes_bar() -> Iterator[Callable[[int, int], None]]:
     """Give a watcher that draws a bar on stderr."""
     columns = (
         TextColumn("boxes"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),

@@ -41,6 +41,40 @@ class EvaluateVolume:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EvaluateLoop:
+    """Say how many views planners need until a box's volume is certain, on fresh boxes from a seed of your choice."""
+
+    boxes: int = 20
+    """How many boxes; one takes up to a minute on irregular4, most of it for the oracle."""
+    seed: int = 0
+    """Source of boxes and scans."""
+    rig: str = "irregular4"
+    """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
+    camera: str = "pico_flexx"
+    """Camera preset (docs/cameras.md) or a TOML file."""
+    policies: tuple[str, ...] = ("covariance", "expected", "farthest", "ring", "random", "greedy", "oracle")
+    """Who chooses: covariance, expected, farthest, ring, random, greedy, oracle, network:FILE.onnx, combined:FILE.onnx."""
+    most_views: int = 4
+    """Scans of each box, 2 or more; the oracle tries all sets of as many."""
+    tolerance: float = 0.02
+    """Relative volume error asked for."""
+    confidence: float = 0.95
+    """Stop when the planner gives the error to be under the tolerance with this probability."""
+    side: tuple[float, float] = (0.05, 1.2)
+    """Least and longest side of the boxes, metres."""
+    distance: float = 1.2
+    """For stations that leave it open, metres from the centre."""
+    elevation: float = 35.0
+    """For stations that leave it open, degrees."""
+    workers: int = 1
+    """Processes; the results are the same whatever the number."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder of the results: what came of every box is kept, so the same command goes on where it was; loop.md, .json, .png."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class EvaluateMap:
     """Draw what every position around one fresh box is worth: the truth of many scans, and what each policy believes."""
 

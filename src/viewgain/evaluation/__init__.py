@@ -1,6 +1,7 @@
 """How good choices of views are, beside what answers without learning get (the paper's Table 1); docs/evaluation.md."""
 
 from viewgain.evaluation._bootstrap import difference_by_object as difference_by_object
+from viewgain.evaluation._bootstrap import median_by_object as median_by_object
 from viewgain.evaluation._bootstrap import quotient_of_groups as quotient_of_groups
 from viewgain.evaluation._bootstrap import ratio_by_object as ratio_by_object
 from viewgain.evaluation._bootstrap import shares_by_object as shares_by_object
@@ -26,6 +27,17 @@ from viewgain.evaluation._gain_map import gain_map as gain_map
 from viewgain.evaluation._gain_map_words import MEANINGS as MEANINGS
 from viewgain.evaluation._gain_map_words import gain_map_markdown as gain_map_markdown
 from viewgain.evaluation._judged import Judged as Judged
+from viewgain.evaluation._loop_case import Loop as Loop
+from viewgain.evaluation._loop_case import LoopSettings as LoopSettings
+from viewgain.evaluation._loop_play import LoopPlay as LoopPlay
+from viewgain.evaluation._loop_play import loop_play as loop_play
+from viewgain.evaluation._loop_policies import LOOP_FLOORS as LOOP_FLOORS
+from viewgain.evaluation._loop_policies import LOOP_POLICIES as LOOP_POLICIES
+from viewgain.evaluation._loop_policies import check_loop_policies as check_loop_policies
+from viewgain.evaluation._loop_runs import loop_boxes as loop_boxes
+from viewgain.evaluation._loop_table import LoopTable as LoopTable
+from viewgain.evaluation._loop_table import loop_table as loop_table
+from viewgain.evaluation._loop_words import loop_markdown as loop_markdown
 from viewgain.evaluation._map_values import Meaning as Meaning
 from viewgain.evaluation._map_values import Valued as Valued
 from viewgain.evaluation._map_values import rank_correlation as rank_correlation

@@ -84,6 +84,20 @@ def ratio_by_object(
     return Shares(tuple((parts.sum(axis=0) / wholes.sum(axis=0)).tolist()), tuple(low.tolist()), tuple(high.tolist()))
 
 
+def median_by_object(values: ArrayLike, *, rng: np.random.Generator, draws: int = DRAWS) -> Shares:
+    """Return the median of one number per object, (N,), with its interval.
+
+    Raises:
+        DataError: If there are no samples.
+    """
+    numbers = np.asarray(values, dtype=float)
+    if len(numbers) == 0:
+        raise DataError("evaluation: got no samples, wanted some")
+    drawn = np.median(numbers[rng.integers(len(numbers), size=(draws, len(numbers)))], axis=1)
+    low, high = np.quantile(drawn, [0.025, 0.975])
+    return Shares((float(np.median(numbers)),), (float(low),), (float(high),))
+
+
 def quotient_of_groups(
     first: tuple[ArrayLike, ArrayLike], second: tuple[ArrayLike, ArrayLike], *, rng: np.random.Generator, draws: int = DRAWS
 ) -> Shares | None:

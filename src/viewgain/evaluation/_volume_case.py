@@ -55,17 +55,16 @@ class VolumeSettings:
     """For stations that leave it open, degrees."""
 
     def __post_init__(self) -> None:
-        if self.seed < 0 or self.captures < LEAST_CAPTURES:
-            raise ConfigError(
-                f"evaluate volume: got seed {self.seed} and {self.captures} captures, wanted 0 or more, and"
-                f" {LEAST_CAPTURES} or more"
-            )
+        if self.seed < 0:
+            raise ConfigError(f"evaluate: got seed {self.seed}, wanted 0 or more")
+        if self.captures < LEAST_CAPTURES:
+            raise ConfigError(f"evaluate volume: got {self.captures} captures, wanted {LEAST_CAPTURES} or more")
         if not 0 < self.side[0] <= self.side[1] < np.inf or not 0 < self.distance < np.inf:
             raise ConfigError(
-                f"evaluate volume: got sides {self.side} and distance {self.distance}, wanted [low, high], positive and finite"
+                f"evaluate: got sides {self.side} and distance {self.distance}, wanted [low, high], positive and finite"
             )
         if not np.isfinite(self.elevation_deg):
-            raise ConfigError(f"evaluate volume: got elevation {self.elevation_deg}, wanted a finite number of degrees")
+            raise ConfigError(f"evaluate: got elevation {self.elevation_deg}, wanted a finite number of degrees")
         if self.estimator not in ESTIMATORS:
             raise ConfigError(f"estimator: got {self.estimator!r}, wanted one of {', '.join(ESTIMATORS)}")
         if self.fused and self.estimator != "default":
@@ -149,7 +148,7 @@ def volume_case(settings: VolumeSettings, number: int) -> VolumeCase:
         present = int(rng.choice(np.flatnonzero(reachable)))
         return VolumeCase(number, settings, scans, cameras, reachable, present)
     raise ConfigError(
-        f"evaluate volume: got no box of {_TRIES} that leaves two positions of rig {stations.name}; take smaller boxes or"
+        f"evaluate: got no box of {_TRIES} that leaves two positions of rig {stations.name}; take smaller boxes or"
         " a greater --distance"
     )
 

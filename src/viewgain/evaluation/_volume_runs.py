@@ -83,13 +83,13 @@ def run_boxes(
     for name in filter(is_from_file, deciding):
         network_of(name, settings)  # a wrong file is said before the first box, which takes its time
     if folder is not None:
-        claim(folder, {"rig_stations": _digest(settings), **dataclasses.asdict(settings)}, results=folder / BOXES)
+        claim(folder, {"rig_stations": rig_digest(settings), **dataclasses.asdict(settings)}, results=folder / BOXES)
     tasks = [
         _Task(
             settings=settings,
             number=number,
             policies=deciding,
-            known=None if folder is None else _kept(_file(folder, number), settings),
+            known=None if folder is None else _kept(box_file(folder, number), settings),
         )
         for number in range(boxes)
     ]
@@ -99,7 +99,7 @@ def run_boxes(
         if not isinstance(run, VolumeRun):
             raise DataError(f"box {task.number}: its worker process died twice; lower --workers and run the same command again")
         if folder is not None and task.known is None:
-            write_whole(_file(folder, run.number), _truth(run).encode())
+            write_whole(box_file(folder, run.number), _truth(run).encode())
         done[run.number] = run
         watch(len(done), boxes)
     return [done[number] for number in range(boxes)]
@@ -132,7 +132,7 @@ def _truth(run: VolumeRun) -> str:
     return json.dumps({"box": run.number, "size_m": run.size, "present": run.present, "errors": rows}, allow_nan=False) + "\n"
 
 
-def _file(folder: Path, number: int) -> Path:
+def box_file(folder: Path, number: int) -> Path:
     return folder / BOXES / f"box{number:05d}.json"
 
 
@@ -151,6 +151,6 @@ def _kept(file: Path, settings: VolumeSettings) -> Array | None:
     return errors
 
 
-def _digest(settings: VolumeSettings) -> str:
+def rig_digest(settings: VolumeSettings) -> str:
     """Return a fingerprint of the rig: a file of that name may have changed."""
     return hashlib.sha256(repr(settings.stations()).encode()).hexdigest()[:16]

@@ -65,7 +65,7 @@ class VolumeTable:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the table as plain values for JSON."""
-        return {"columns": list(JUDGED), **_finite(dataclasses.asdict(self))}
+        return {"columns": list(JUDGED), **finite(dataclasses.asdict(self))}
 
 
 def volume_table(settings: VolumeSettings, runs: Sequence[VolumeRun], policies: Sequence[str]) -> VolumeTable:
@@ -143,10 +143,10 @@ def _median(runs: Sequence[VolumeRun], name: str) -> float | None:
     return float(np.median(spent)) if spent else None
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """Return plain values with None for what is no finite number: a ratio to an oracle without any error."""
     if isinstance(value, dict):
-        return {key: _finite(each) for key, each in value.items()}
+        return {key: finite(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(each) for each in value]
+        return [finite(each) for each in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value

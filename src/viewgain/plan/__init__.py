@@ -3,7 +3,9 @@
 from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
 from viewgain.plan._belief import Belief as Belief
+from viewgain.plan._belief import Certainty as Certainty
 from viewgain.plan._belief import Outlook as Outlook
+from viewgain.plan._belief import certainty as certainty
 from viewgain.plan._doubt import Hesitant as Hesitant
 from viewgain.plan._doubt import chances_of_best as chances_of_best
 from viewgain.plan._expected import ExpectedErrorPolicy as ExpectedErrorPolicy
@@ -15,6 +17,7 @@ from viewgain.plan._explorers import spread_order as spread_order
 from viewgain.plan._network import NetworkPolicy as NetworkPolicy
 from viewgain.plan._next import Candidate as Candidate
 from viewgain.plan._next import NextView as NextView
+from viewgain.plan._next import believe as believe
 from viewgain.plan._next import next_view as next_view
 from viewgain.plan._policy import Assessment as Assessment
 from viewgain.plan._policy import CovariancePolicy as CovariancePolicy

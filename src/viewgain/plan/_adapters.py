@@ -7,7 +7,7 @@ import numpy as np
 from viewgain.arrays import Poses, Vector
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.geometry import inverse
-from viewgain.measure import POSE_SIGMA, fuse, measure
+from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure
 from viewgain.plan._belief import Belief
 from viewgain.plan._next import believe
 from viewgain.plan._policy import Assessment, Policy
@@ -51,7 +51,7 @@ class OnScans:
 class OnBelief:
     """A policy about a box as a general one: it measures the scans so far and asks the policy what it believes.
 
-    It measures all scans anew at every question.
+    It measures all scans anew at every question, but where it is told what they say together.
     """
 
     policy: Policy
@@ -73,14 +73,14 @@ class OnBelief:
         nothing = np.full(len(seen.candidates), np.nan)
         if not seen.scans:
             return nothing
-        scans = list(seen.scans)
-        measured = (
-            measure(scans[0], camera=self.sensor)
-            if len(scans) == 1
-            else fuse(scans, camera=self.sensor, pose_sigma=self.pose_sigma)
-        )
-        belief, here = believe(measured, self.sensor), scans[-1].camera_to_world
+        measured = seen.measured or self._measured(list(seen.scans))
+        belief, here = believe(measured, self.sensor), measured.camera_to_world
         if belief is None or here is None:
             return nothing
         assessed = self.policy.assess(belief, inverse(here) @ seen.candidates, self.tolerance)
         return np.array([assessment.score for assessment in assessed])
+
+    def _measured(self, scans: list[Scan]) -> Measurement:
+        if len(scans) == 1:
+            return measure(scans[0], camera=self.sensor)
+        return fuse(scans, camera=self.sensor, pose_sigma=self.pose_sigma)

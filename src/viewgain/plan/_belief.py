@@ -57,6 +57,16 @@ class Outlook:
     """Probability that the relative volume error is under the tolerance."""
 
 
+@dataclass(frozen=True, slots=True)
+class Certainty:
+    """What the stop rule says."""
+
+    within_tolerance: float
+    """Probability that the relative volume error is under the tolerance."""
+    enough: bool
+    """Whether that is as much as was asked for, of a box with every dimension bounded."""
+
+
 def belief_from(estimate: BoxEstimate) -> Belief:
     """Return the belief after measuring a box: one box, or several where dimensions are open."""
     boxes = [estimate.box]
@@ -107,6 +117,12 @@ def outlook(belief: Belief, tolerance: float) -> Outlook:
         normal_within(volume / middle - 1, max(spread, 1e-6), tolerance) for volume, spread in zip(volumes, each, strict=True)
     ])  # fmt: skip
     return Outlook(sigma, float(within))
+
+
+def certainty(belief: Belief, *, tolerance: float, confidence: float) -> Certainty:
+    """Return whether the volume is known as well as asked for: P(relative error < tolerance) > confidence, all sides bounded."""
+    chance = outlook(belief, tolerance).within_tolerance
+    return Certainty(chance, belief.bounded and chance > confidence)
 
 
 def relative_sigma(knowledge: Knowledge, box: Box, sensor: Sensor) -> float:

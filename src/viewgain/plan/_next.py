@@ -9,7 +9,7 @@ from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
 from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
-from viewgain.plan._belief import Belief, belief_from, belief_from_blob, floor_pose, outlook
+from viewgain.plan._belief import Belief, belief_from, belief_from_blob, certainty, floor_pose
 from viewgain.plan._doubt import Hesitant
 from viewgain.plan._policy import Assessment, CovariancePolicy, Policy
 from viewgain.plan._predict import MIN_FACE_PIXELS, predict
@@ -190,8 +190,7 @@ def next_view(
     )
     for_volume = objective == "volume"
     best = _best(candidates, settle=believed.bounded and for_volume, indifferent=INDIFFERENT if for_volume else 0.0)
-    chance = outlook(believed, tolerance).within_tolerance
-    stop = for_volume and believed.bounded and chance > confidence
+    sure = certainty(believed, tolerance=tolerance, confidence=confidence)
     reason, abstention = "no_reachable_view" if best is None else None, None
     if best is not None and isinstance(decider, Hesitant):
         abstention = decider.abstention(assessments, np.array([candidate.reachable for candidate in candidates]), best)
@@ -203,8 +202,8 @@ def next_view(
         measured,
         candidates,
         best,
-        stop,
-        chance,
+        for_volume and sure.enough,
+        sure.within_tolerance,
         tolerance,
         confidence,
         target,

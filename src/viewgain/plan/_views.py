@@ -13,6 +13,7 @@ import numpy as np
 from viewgain.arrays import Mask, Poses, Vector
 from viewgain.camera import Intrinsics
 from viewgain.errors import ConfigError
+from viewgain.measure import Measurement
 from viewgain.scans import Scan
 
 NEAR = 0.05
@@ -33,6 +34,8 @@ class Seen:
     """The candidates at whose place a scan was taken, in the order of taking."""
     camera: Intrinsics
     """The camera's image."""
+    measured: Measurement | None = None
+    """What the scans say together, in the frame of the last, where somebody has worked it out; None: measure them."""
 
     def __post_init__(self) -> None:
         if not len(self.stands) or not len(self.candidates):

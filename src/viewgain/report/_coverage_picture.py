@@ -1,19 +1,14 @@
 """Coverage view after view: one panel per table, a curve per policy."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from viewgain.evaluation import POLICIES, CoverageTable
-from viewgain.report._colours import FAINT, GRID, INK
-from viewgain.report._series import colour_of
+from viewgain.report._colours import GRID
+from viewgain.report._series import marked_line, plain_line
 from viewgain.report._style import key, legend_below, new_figure, plain_axes, title
-
-_LINES = ((0, (1.2, 1.2)), (0, (4, 2)), (0, ()), (0, (4, 1.5, 1, 1.5)), (0, (6, 1)), (0, (2, 1)))
-"""Dashes of policies that are no networks."""
-_MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
 def coverage_figure(tables: Sequence[CoverageTable]) -> Figure:
@@ -21,7 +16,7 @@ def coverage_figure(tables: Sequence[CoverageTable]) -> Figure:
     names = list(dict.fromkeys(row.policy for table in tables for row in table.rows))
     networks = [name for name in names if name not in POLICIES]
     plain = [name for name in names if name in POLICIES]
-    styles = {name: _plain(k) for k, name in enumerate(plain)} | {name: _network(k) for k, name in enumerate(networks)}
+    styles = {name: plain_line(k) for k, name in enumerate(plain)} | {name: marked_line(k) for k, name in enumerate(networks)}
     figure = new_figure(width=6.4, height=3.0 * len(tables) + 0.6)
     for axes, table in zip(figure.subplots(len(tables), 1, squeeze=False)[:, 0], tables, strict=True):
         views = np.arange(1, table.steps + 1)
@@ -33,11 +28,3 @@ def coverage_figure(tables: Sequence[CoverageTable]) -> Figure:
         title(axes, f"{table.title}, {table.views} candidate views", [f"mean of {table.objects:,} objects, by union"])
     legend_below(figure, [key(name, linewidth=1.2, **styles[name]) for name in names], 3)
     return figure
-
-
-def _plain(place: int) -> dict[str, Any]:
-    return {"color": INK if place % 2 else FAINT, "linestyle": _LINES[place % len(_LINES)]}
-
-
-def _network(place: int) -> dict[str, Any]:
-    return {"color": colour_of(place), "marker": _MARKERS[place % len(_MARKERS)], "markersize": 3.5}

@@ -8,7 +8,7 @@ from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.episodes import Episode
 from viewgain.errors import ConfigError
-from viewgain.evaluation import CoverageTable, GainMap, RealRanking, Table1
+from viewgain.evaluation import CoverageTable, GainMap, LoopTable, RealRanking, Table1
 from viewgain.geometry import inverse
 from viewgain.measure import Measurement
 from viewgain.plan import NextView
@@ -97,7 +97,7 @@ def write_ranking_picture(scan: Scan, ranking: RealRanking, path: Path) -> Path:
 
     Raises:
         MissingExtraError: If matplotlib or jinja2 is not installed.
-        ConfigError: If ``path`` cannot be written.
+        StorageError: If ``path`` cannot be written.
     """
     require_extra()
     from viewgain.report._style import side_by_side, to_png
@@ -174,6 +174,27 @@ def write_table1_picture(tables: Sequence[Table1], path: Path) -> Path:
     return _saved(table1_figure(tables), path)
 
 
+def write_loop_picture(table: LoopTable, path: Path) -> Path:
+    """Save the picture of a closed loop: mean volume error by number of views with 95 % intervals, a curve per policy.
+
+    Args:
+        table: The table; the oracle, which has no errors view after view, is not in the picture.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        ConfigError: If no policy has errors view after view.
+        StorageError: If ``path`` cannot be written.
+    """
+    _require_tables([row for row in table.rows if row.errors is not None])
+    from viewgain.report._loop_picture import loop_figure
+
+    return _saved(loop_figure(table), path)
+
+
 def write_map_picture(drawn: GainMap, path: Path) -> Path:
     """Save the maps of what every position around a box is worth, the truth first and what each policy believes beside it.
 
@@ -186,7 +207,7 @@ def write_map_picture(drawn: GainMap, path: Path) -> Path:
 
     Raises:
         MissingExtraError: If matplotlib or jinja2 is not installed.
-        ConfigError: If ``path`` cannot be written.
+        StorageError: If ``path`` cannot be written.
     """
     require_extra()
     from viewgain.report._map_picture import map_figure
