@@ -2,6 +2,7 @@
 
 from typing import get_args
 
+import numpy as np
 import pytest
 import torch
 from hypothesis import given, settings
@@ -11,8 +12,9 @@ from torch import Tensor
 from tests.oracles import network as oracle
 from viewgain.errors import ConfigError
 from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, parameters_of, scores_of, sigma_of
-from viewgain.network._compact import mean_present_first
+from viewgain.network._compact import mean_present_first, turns_of
 from viewgain.network._neighbours import in_order
+from viewgain.rigs import Target, poses, rig
 
 KINDS = tuple(kind for kind in get_args(Kind) if kind != "pose_scores")  # that one: test_pose_scores.py
 
@@ -26,11 +28,11 @@ def seeded(seed: int) -> torch.Generator:
     return torch.Generator().manual_seed(seed)
 
 
-def small(kind: Kind, *, seed: int = 0, uncertainty: str = "none", views: int = 5) -> ScoreNetwork:
+def small(kind: Kind, *, seed: int = 0, uncertainty: str = "none", views: int = 5, rig: str = "") -> ScoreNetwork:
     """A narrow network in double precision whose attention is at work."""
     settings = NetworkSettings(
-        kind=kind, views=views, neighbours=6, growth=4, shared=(24, 20), head=(16, 12), width=8, uncertainty=uncertainty
-    )
+        kind=kind, views=views, neighbours=6, growth=4, shared=(24, 20), head=(16, 12), width=8, uncertainty=uncertainty, rig=rig
+    )  # fmt: skip
     network = build(settings, generator=seeded(seed)).double()
     with torch.no_grad():
         for name, parameter in network.named_parameters():
@@ -68,17 +70,27 @@ def test_the_paper_size_networks_have_about_3_7_million_parameters(kind: Kind, v
     assert network.features.channels == 264
 
 
-def test_the_compact_networks_are_a_sixth_of_the_size() -> None:
-    assert parameters_of(build(NetworkSettings(kind="compact"), generator=seeded(0))) < 3_741_490 / 6
+def test_the_compact_networks_are_a_quarter_of_the_size() -> None:
+    assert parameters_of(build(NetworkSettings(kind="compact"), generator=seeded(0))) < 3_741_490 / 4
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("number", [1, 2, 5, 7, 40])
 def test_the_fast_network_equals_its_textbook_twin_forward_and_gradient(kind: Kind, number: int) -> None:
-    network, points = small(kind), cloud(number, seed=number)
+    assert_equals_its_twin(small(kind), number)
+
+
+@pytest.mark.parametrize("kind", ["compact", "compact_view"])
+@pytest.mark.parametrize("number", [1, 30])
+def test_views_that_look_see_what_the_textbook_sees(kind: Kind, number: int) -> None:
+    assert_equals_its_twin(small(kind, views=16, rig="pcnbv16"), number)
+
+
+def assert_equals_its_twin(network: ScoreNetwork, number: int) -> None:
+    points, kind = cloud(number, seed=number), network.settings.kind
     state = state_for(network, 1)
     slow = oracle.pc_nbv if kind.startswith("pc_nbv") else oracle.compact
-    weights = torch.rand(5, generator=seeded(3), dtype=torch.double)
+    weights = torch.rand(network.settings.views, generator=seeded(3), dtype=torch.double)
     results = []
     for forward in (
         lambda: network(points, None, state)[0],
@@ -198,6 +210,43 @@ def test_what_does_not_fit_is_refused_in_one_line() -> None:
         with pytest.raises(ConfigError) as caught:
             act()
         assert "\n" not in str(caught.value)
+
+
+@settings(max_examples=10)
+@given(first=st.integers(0, 15), second=st.integers(0, 15), seed=st.integers(0, 1000))
+def test_what_lies_before_a_view_as_it_lay_before_another_looks_the_same(first: int, second: int, seed: int) -> None:
+    """A cloud is turned so that it lies in the axes of the second camera as it lay in those of the first."""
+    network, places, features = small("compact", views=16, rig="pcnbv16"), cloud(9, seed=seed), cloud(9, seed=seed + 1)
+    features = features @ torch.rand(3, 32, generator=seeded(seed), dtype=torch.double)
+    stations = poses(rig("pcnbv16"), Target.at(np.zeros(3)), distance=3.0)[:, :3, :3]
+    turned = places @ torch.from_numpy((stations[second] @ stations[first].T).T)
+    turns = torch.from_numpy(turns_of("pcnbv16"))
+    before, after = (network.look(features, each[:, None] @ turns)[0] for each in (places, turned))
+    torch.testing.assert_close(after[second], before[first], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("present", [0, 3])
+def test_without_the_view_state_it_answers_as_if_it_had_been_told_what_it_guesses(present: int) -> None:
+    blind, told = small("compact"), small("compact_view")
+    told.load_state_dict({name: value for name, value in blind.state_dict().items() if not name.startswith("guess")})
+    sure = torch.full((3, 5), -400.0, dtype=torch.double)
+    sure[:, present] = 400.0
+    blind.guess.forward = lambda cloud: sure
+    points, state = cloud(12, batch=3), torch.eye(5, dtype=torch.double)[[present] * 3]
+    torch.testing.assert_close(blind(points), torch.roll(told(points, None, state), -present, dims=1), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"kind": "pc_nbv", "rig": "pcnbv33"}, "do not look"),
+        ({"kind": "compact", "rig": "pcnbv16"}, "16"),
+        ({"kind": "compact", "rig": "no_such"}, "no_such"),
+    ],
+)
+def test_a_rig_that_does_not_fit_is_refused(changes: dict[str, str], word: str) -> None:
+    with pytest.raises(ConfigError, match=word):
+        NetworkSettings(**changes)  # 33 views
 
 
 @settings(max_examples=20)

@@ -3,9 +3,12 @@
 It takes the parameters of a fast network by name and shares no layer with it.
 """
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 from torch.nn.functional import linear
+
+from viewgain.rigs import Target, poses, rig
 
 
 def nearest_by_hand(features: Tensor, count: int, points: Tensor, scale: float) -> Tensor:
@@ -86,20 +89,42 @@ def ask(block: nn.Module, queries: Tensor, points: Tensor) -> Tensor:
 def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Tensor:
     """Return the (outputs,) of one cloud (n, 3), view state (V,) or None."""
     points = points[torch.argsort(points @ torch.tensor([0.61, 0.41, 0.73], dtype=points.dtype))]
-    near, fine = set_abstraction(network.hierarchy.fine, points, network.hierarchy.lift(points))
+    lifted = network.hierarchy.lift(points)
+    near, fine = set_abstraction(network.hierarchy.fine, points, lifted)
     far, coarse = set_abstraction(network.hierarchy.coarse, near, fine)
+    seen = None if network.look is None else look(network.look, fine, near, network.settings.rig)
     fine, coarse = torch.cat((fine, near), dim=-1), torch.cat((coarse, far), dim=-1)
-    cloud = torch.relu(network.cloud(torch.relu(network.wide(coarse).max(dim=0).values)))
-    asks = network.queries
+    greatest = torch.relu(network.wide(coarse).max(dim=0).values)
+    cloud = torch.relu(network.cloud(torch.cat((greatest, sum(lifted) / len(lifted)))))
+    if view_state is not None:
+        answers = network.head(view_queries(network.queries, cloud, coarse, fine, seen, view_state))
+        return answers.T.flatten() if answers.shape[1] > 1 else answers[:, 0]
+    presence = network.guess.presence(view_queries(network.guess.queries, cloud, coarse, fine, seen, None))[:, 0]
+    chances = torch.softmax(presence, dim=0)
+    answers = network.head(view_queries(network.queries, cloud, coarse, fine, seen, chances))
+    answers = sum(chance * torch.roll(answers, -view, dims=0) for view, chance in enumerate(chances))
+    return answers.T.flatten() if answers.shape[1] > 1 else answers[:, 0]
+
+
+def view_queries(
+    asks: nn.Module, cloud: Tensor, coarse: Tensor, fine: Tensor, seen: list[Tensor] | None, view_state: Tensor | None
+) -> Tensor:
+    """Return (V, channels) what the views learn, one after the other."""
     views = []
     for k, query in enumerate(asks.view):
         told = cloud if view_state is None else torch.cat((cloud, view_state, view_state[k : k + 1]))
-        views.append(query + asks.whole(told))
+        views.append(query + asks.whole(told) + (0 if seen is None else seen[k]))
     found = torch.stack(views)
     found = found + ask(asks.inquiry.coarse, found, coarse)
     found = found + asks.inquiry.think(found)
-    answers = network.head(torch.relu(found + ask(asks.inquiry.fine, found, fine)))
-    if view_state is None:
-        chances = torch.softmax(answers[:, -1], dim=0)
-        answers = sum(chance * torch.roll(answers[:, :-1], -view, dims=0) for view, chance in enumerate(chances))
-    return answers.T.flatten() if answers.shape[1] > 1 else answers[:, 0]
+    return torch.relu(found + ask(asks.inquiry.fine, found, fine))
+
+
+def look(block: nn.Module, features: Tensor, points: Tensor, name: str) -> list[Tensor]:
+    """Return what each view of a rig sees, point by point: a point is turned as the world is for a camera there."""
+    seen = []
+    for station in poses(rig(name), Target.at(np.zeros(3)), distance=2.0):
+        to_camera = torch.from_numpy(np.linalg.inv(station)[:3, :3])
+        each = [torch.relu(block.what(f) + block.where(to_camera @ p)) for f, p in zip(features, points, strict=True)]
+        seen.append(block.after(torch.stack(each).max(dim=0).values))
+    return seen

@@ -73,6 +73,11 @@ def test_the_clock_moves_only_the_schedule_that_asks_for_it() -> None:
         ({"network": {"kind": "pose_scores"}, "data": {"symmetry": True}}, "symmetry"),
         ({"network": {"kind": "pose_scores"}, "distil": {"teacher": "a.onnx"}}, "distil"),
         ({"loss": {"presence_weight": 0.1}, "network": {"kind": "compact_view"}}, "presence_weight"),
+        ({"network": {"kind": "compact", "views": 16, "rig": "pcnbv16"}, "data": {"rig": "pcnbv33"}}, "pcnbv33"),
+        (
+            {"network": {"kind": "compact", "views": 16, "rig": "pcnbv16"}, "data": {"rig": "pcnbv16", "frame": "camera"}},
+            "camera",
+        ),
     ],
 )
 def test_a_wrong_recipe_names_the_key(tables: dict[str, dict[str, object]], word: str) -> None:

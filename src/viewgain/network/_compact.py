@@ -5,55 +5,77 @@ in feature space. Here the cloud is taken together twice (PointNet++, Qi et al. 
 their surroundings, and then every candidate view asks those points what it would see.
 """
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
-from viewgain.network._hierarchy import Hierarchy
+from viewgain.arrays import Array
+from viewgain.network._hierarchy import Hierarchy, Impression
 from viewgain.network._inputs import ScoreNetwork
+from viewgain.network._look import Look
 from viewgain.network._neighbours import unrepeated
 from viewgain.network._output import NUMBERS, answers_as_output
-from viewgain.network._queries import ViewQueries
+from viewgain.network._queries import Guess, ViewQueries
 from viewgain.network._settings import NetworkSettings
+from viewgain.rigs import Target, poses, rig
 
 
 class Compact(ScoreNetwork):
-    """Points, many centres, few centres, one feature of the cloud; then a query per view, and its scores."""
+    """Points, many centres, few centres, one feature of the cloud; then a query per view, and its scores.
+
+    Without the view state a first round of queries guesses from which view the cloud was seen, and the second answers as if it
+    had been told.
+    """
 
     def __init__(self, settings: NetworkSettings) -> None:
         """Take the settings; the parameters are set by :func:`viewgain.network.build`."""
         super().__init__(settings)
-        width, views, told = settings.width, settings.views, settings.with_view_state
+        width, views, blind = settings.width, settings.views, not settings.with_view_state
         self.hierarchy = Hierarchy(settings)
         self.wide = nn.Linear(8 * width + 3, 16 * width)
-        self.cloud = nn.Linear(16 * width, 8 * width)
-        self.queries = ViewQueries(views, 4 * width, cloud=8 * width, coarse=8 * width + 3, fine=4 * width + 3, told=told)
-        self.each = NUMBERS[settings.uncertainty]
-        self.head = nn.Sequential(
-            nn.Linear(4 * width, 8 * width), nn.ReLU(), nn.Linear(8 * width, self.each + (0 if told else 1))
-        )
+        self.cloud = nn.Linear(17 * width, 8 * width)
+        self.turns = turns_of(settings.rig) if settings.rig else None
+        self.look = Look(4 * width, 3, 2 * width, 4 * width) if settings.rig else None
+        self.guess = Guess(views, width) if blind else None
+        self.queries = ViewQueries(views, width, told=True)
+        self.head = nn.Sequential(nn.Linear(4 * width, 8 * width), nn.ReLU(), nn.Linear(8 * width, NUMBERS[settings.uncertainty]))
 
     def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return the scores."""
         if view_state is None:
             return self._located(points, mask)[0]
-        return answers_as_output(self._answers(points, mask, view_state))
+        return answers_as_output(self._answers(self._impression(points, mask), view_state))
 
     def located(self, points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
         """Return the scores with the present view first, and (B, V) logits of the present view being each of the rig's."""
         return super().located(points, mask) if self.settings.with_view_state else self._located(points, unrepeated(points, mask))
 
     def _located(self, points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
-        answers = self._answers(points, mask, None)
-        presence = answers[..., self.each]
-        rolled = mean_present_first(answers[..., : self.each], presence)
+        assert self.guess is not None  # it is there without the view state
+        cloud = self._impression(points, mask)
+        presence = self.guess(cloud)
+        answers = mean_present_first(self._answers(cloud, torch.softmax(presence, dim=-1)), presence)
         # The shape in plain numbers, so that an exported file states it.
-        return answers_as_output(rolled.reshape(-1, self.settings.views, self.each)), presence
+        return answers_as_output(answers.reshape(-1, self.settings.views, NUMBERS[self.settings.uncertainty])), presence
 
-    def _answers(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
-        """Return (B, V, each) what the head says of each view; without the view state one more, the logit of its presence."""
+    def _impression(self, points: Tensor, mask: Tensor) -> Impression:
         levels = self.hierarchy(points, mask)
-        cloud = torch.relu(self.cloud(torch.relu(self.wide(levels.far).amax(1))))
-        return torch.as_tensor(self.head(self.queries(cloud, levels.far, levels.near, view_state)))
+        greatest = torch.relu(self.wide(levels.far).amax(1))
+        whole = torch.relu(self.cloud(torch.cat((greatest, levels.mean), dim=-1)))
+        if self.look is None:
+            return Impression(levels=levels, whole=whole, seen=None)
+        turns = torch.as_tensor(self.turns, dtype=points.dtype, device=points.device)
+        return Impression(levels=levels, whole=whole, seen=self.look(levels.fine, levels.fine_points[:, None] @ turns))
+
+    def _answers(self, cloud: Impression, view_state: Tensor) -> Tensor:
+        """Return (B, V, c) what the head says of each view, in rig order."""
+        return torch.as_tensor(self.head(self.queries(cloud, view_state)))
+
+
+def turns_of(name: str) -> Array:
+    """Return (V, 3, 3): points of the object's frame times these are points in the axes of each view of a rig."""
+    stations = poses(rig(name), Target.at(np.zeros(3)), distance=1.0)
+    return np.ascontiguousarray(stations[:, :3, :3])
 
 
 def mean_present_first(answers: Tensor, presence: Tensor) -> Tensor:

@@ -12,8 +12,10 @@ from viewgain.network._settings import NetworkSettings
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Levels:
-    """Both sets of centres: where they are and what they know of their surroundings."""
+    """Both sets of centres: where they are and what they know of their surroundings; and the mean of all points."""
 
+    mean: Tensor
+    """(B, width) of the points' own features: how densely each side is sampled, which maxima do not tell."""
     fine_points: Tensor
     """(B, M, 3)."""
     fine: Tensor
@@ -48,6 +50,21 @@ class Hierarchy(nn.Module):
     def forward(self, points: Tensor, mask: Tensor) -> Levels:
         """Return both levels."""
         points, number = in_order(points, mask)
-        fine_points, fine = self.fine(points, self.lift(points), number)
+        lifted = self.lift(points)
+        real = torch.arange(points.shape[1], device=points.device) < number[:, None]
+        mean = (lifted * real[..., None]).sum(1) / number[:, None]
+        fine_points, fine = self.fine(points, lifted, number)
         coarse_points, coarse = self.coarse(fine_points, fine, torch.full_like(number, fine.shape[1]))
-        return Levels(fine_points=fine_points, fine=fine, coarse_points=coarse_points, coarse=coarse)
+        return Levels(mean=mean, fine_points=fine_points, fine=fine, coarse_points=coarse_points, coarse=coarse)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Impression:
+    """What is known of a cloud before any view of a rig is asked about."""
+
+    levels: Levels
+    """Its points, taken together."""
+    whole: Tensor
+    """(B, 8 width) one feature."""
+    seen: Tensor | None
+    """(B, V, 4 width) what each view sees of it from where it stands; None if views do not look."""

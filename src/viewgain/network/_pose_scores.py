@@ -10,12 +10,15 @@ from torch import Tensor, nn
 from viewgain.errors import ConfigError
 from viewgain.network._hierarchy import Hierarchy
 from viewgain.network._inputs import ScoreNetwork
+from viewgain.network._look import Look
 from viewgain.network._output import NUMBERS, answers_as_output
 from viewgain.network._queries import Inquiry
 from viewgain.network._settings import NetworkSettings
 
 NUMBERS_OF_A_POSE = 12
 """Rotation, row by row, and position."""
+NUMBERS_OF_A_PLACE = 5
+"""Of :func:`placed`."""
 
 
 class PoseScores(ScoreNetwork):
@@ -32,7 +35,7 @@ class PoseScores(ScoreNetwork):
         self.wide = nn.Linear(8 * width + 3, 8 * width)
         self.pose = nn.Sequential(nn.Linear(NUMBERS_OF_A_POSE, 4 * width), nn.ReLU(), nn.Linear(4 * width, 4 * width))
         self.whole = nn.Linear(8 * width, 4 * width)
-        self.look = Look(4 * width, 2 * width, 4 * width)
+        self.look = Look(4 * width, NUMBERS_OF_A_PLACE, 2 * width, 4 * width)
         self.inquiry = Inquiry(4 * width, coarse=8 * width + 3, fine=4 * width + 3)
         self.head = nn.Sequential(nn.Linear(4 * width, 4 * width), nn.ReLU(), nn.Linear(4 * width, NUMBERS[settings.uncertainty]))
 
@@ -44,7 +47,7 @@ class PoseScores(ScoreNetwork):
         turns, places = told[..., :3, :3], told[..., :3, 3]
         views = self.pose(torch.cat((turns.flatten(2), places), dim=-1)) + self.whole(cloud)[:, None]
         seen = (levels.fine_points[:, None] - places[:, :, None]) @ turns  # (B, V, M, 3) in each candidate's camera
-        views = views + self.look(levels.fine, seen)
+        views = views + self.look(levels.fine, placed(seen))
         answers = self.head(self.inquiry(views, levels.far, levels.near))
         return answers_as_output(answers)
 
@@ -54,22 +57,10 @@ class PoseScores(ScoreNetwork):
             raise ConfigError(f"network {self.settings.kind}: got poses {got}, wanted ({batch}, candidates, 4, 4)")
 
 
-class Look(nn.Module):
-    """What each candidate sees of the points: the maximum of a layer on what a point is and where it would stand.
+def placed(seen: Tensor) -> Tensor:
+    """Return (..., 5) where points (..., 3) of a camera's frame stand: in space, and in its image.
 
-    Shapes: features (B, M, C), places (B, V, M, 3) to (B, V, out). Where a point would stand in the image goes in beside where it
-    stands in space: x / z and y / z with z kept over 5 cm.
+    There it is x / z and y / z, with z kept over 5 cm and both within 3.
     """
-
-    def __init__(self, channels: int, between: int, outputs: int) -> None:
-        """Take the channels of a point, of what is kept of each, and of the result."""
-        super().__init__()
-        self.what = nn.Linear(channels, between)
-        self.where = nn.Sequential(nn.Linear(5, between), nn.ReLU(), nn.Linear(between, between, bias=False))
-        self.after = nn.Linear(between, outputs)
-
-    def forward(self, features: Tensor, places: Tensor) -> Tensor:
-        """Return what each candidate sees."""
-        image = (places[..., :2] / places[..., 2:].clamp(min=0.05)).clamp(-3.0, 3.0)
-        each = torch.relu(self.what(features)[:, None] + self.where(torch.cat((places, image), dim=-1)))
-        return torch.as_tensor(self.after(each.amax(2)))
+    image = (seen[..., :2] / seen[..., 2:].clamp(min=0.05)).clamp(-3.0, 3.0)
+    return torch.cat((seen, image), dim=-1)

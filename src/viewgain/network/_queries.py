@@ -3,6 +3,8 @@
 import torch
 from torch import Tensor, nn
 
+from viewgain.network._hierarchy import Impression
+
 HEADS = 4
 """Parts of the channels that attend each on their own."""
 
@@ -10,26 +12,42 @@ HEADS = 4
 class ViewQueries(nn.Module):
     """What each view learns from the cloud as a whole, then from its coarse and from its fine points.
 
-    Shapes: cloud (B, S), coarse (B, M, C), fine (B, L, D) and a view state (B, V) or None to (B, V, width).
+    Shapes: an impression of the cloud and a view state (B, V) or None to (B, V, 4 width).
 
-    Source: attention as in Vaswani et al. 2017; one learned query per view, ours. A query knows which views were visited, and
-    whether its own was; which of the views that is, it has learned.
+    Source: attention as in Vaswani et al. 2017; one learned query per view, ours. With a view state a query knows which views
+    were visited, and whether its own was; which of the views that is, it has learned.
     """
 
-    def __init__(self, views: int, width: int, *, cloud: int, coarse: int, fine: int, told: bool) -> None:
-        """Take V, the channels of a query and of what it asks, and whether there is a view state."""
+    def __init__(self, views: int, width: int, *, told: bool) -> None:
+        """Take V, the width of the network, and whether there is a view state."""
         super().__init__()
-        self.view = nn.Parameter(torch.empty(views, width))
-        self.whole = nn.Linear(cloud + (views + 1 if told else 0), width)
-        self.inquiry = Inquiry(width, coarse=coarse, fine=fine)
+        self.view = nn.Parameter(torch.empty(views, 4 * width))
+        self.whole = nn.Linear(8 * width + (views + 1 if told else 0), 4 * width)
+        self.inquiry = Inquiry(4 * width, coarse=8 * width + 3, fine=4 * width + 3)
 
-    def forward(self, cloud: Tensor, coarse: Tensor, fine: Tensor, view_state: Tensor | None) -> Tensor:
+    def forward(self, cloud: Impression, view_state: Tensor | None) -> Tensor:
         """Return what each view has learned."""
-        known = cloud[:, None].expand(-1, len(self.view), -1)
+        known = cloud.whole[:, None].expand(-1, len(self.view), -1)
         if view_state is not None:
             everywhere = view_state[:, None].expand(-1, len(self.view), -1)
             known = torch.cat((known, everywhere, view_state[..., None]), dim=-1)
-        return torch.as_tensor(self.inquiry(self.view + self.whole(known), coarse, fine))
+        queries = self.view + self.whole(known)
+        queries = queries if cloud.seen is None else queries + cloud.seen
+        return torch.as_tensor(self.inquiry(queries, cloud.levels.far, cloud.levels.near))
+
+
+class Guess(nn.Module):
+    """From which view of the rig was the cloud seen? An impression of it to (B, V) logits."""
+
+    def __init__(self, views: int, width: int) -> None:
+        """Take V and the width of the network."""
+        super().__init__()
+        self.queries = ViewQueries(views, width, told=False)
+        self.presence = nn.Linear(4 * width, 1)
+
+    def forward(self, cloud: Impression) -> Tensor:
+        """Return the logits."""
+        return torch.as_tensor(self.presence(self.queries(cloud, None))[..., 0])
 
 
 class Inquiry(nn.Module):
@@ -54,7 +72,8 @@ class Ask(nn.Module):
     def __init__(self, width: int, channels: int) -> None:
         """Take Q and C."""
         super().__init__()
-        self.key, self.value = nn.Linear(channels, width), nn.Linear(channels, width)
+        self.key = nn.Linear(channels, width, bias=False)  # a bias adds as much to all points, which softmax does not see
+        self.value = nn.Linear(channels, width)
         self.out = nn.Linear(width, width)
 
     def forward(self, queries: Tensor, points: Tensor) -> Tensor:

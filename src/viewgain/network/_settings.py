@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
 from viewgain.errors import ConfigError
+from viewgain.rigs import rig
 
 Kind: TypeAlias = Literal["pc_nbv", "pc_nbv_noview", "compact", "compact_view", "pose_scores"]
 """``pc_nbv`` and ``compact_view`` are told which views were visited, ``pc_nbv_noview`` and ``compact`` are not; ``pose_scores``
@@ -36,6 +37,9 @@ class NetworkSettings:
     """Channels of the first layers of the compact networks; all others are multiples of it."""
     centres: tuple[int, int] = (64, 16)
     """Points that a cloud is taken together to, first and then (the compact networks)."""
+    rig: str = ""
+    """The rig whose views look at the points from where they stand (the compact networks, points in the object's frame); empty:
+    a view knows nothing of its place but what it learns."""
     uncertainty: Uncertainty = "none"
     """``gaussian``: a second number per view, the logarithm of the score's variance. ``evidential``: three more, a distribution
     over the score's mean and variance (Amini et al. 2020)."""
@@ -48,6 +52,10 @@ class NetworkSettings:
         counts = (self.views, self.points, self.neighbours, self.blocks, *self.centres)
         if min(*widths, *counts) < 1 or not self.shared or not self.head:
             raise ConfigError("network: wanted views, points, neighbours, blocks, centres and all widths of at least one")
+        if self.rig and self.kind not in ("compact", "compact_view"):
+            raise ConfigError(f"network: got rig {self.rig!r} for kind {self.kind}, whose views do not look; wanted none")
+        if self.rig and len(rig(self.rig).stations) != self.views:
+            raise ConfigError(f"network: got views = {self.views}, wanted the {len(rig(self.rig).stations)} of rig {self.rig!r}")
 
     @property
     def with_poses(self) -> bool:

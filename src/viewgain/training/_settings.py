@@ -177,6 +177,11 @@ class TrainingRecipe:
                 not with_poses and (self.data.mirror or self.data.turn_deg > 0),
                 f"mirror or turn_deg for a network of kind {kind}, which is not told poses; wanted symmetry, or neither",
             ),
+            (
+                self.network.rig != "" and (self.data.frame, self.data.rig) != ("object", self.network.rig),
+                f"views that look from {self.network.rig} for data of rig {self.data.rig!r} in the frame of the"
+                f" {self.data.frame}, wanted the same rig and the frame of the object",
+            ),
             (with_poses and self.distil is not None, f"a teacher for a network of kind {kind}, which knows no rig; drop distil"),
         )
         for is_so, misfit in misfits:
