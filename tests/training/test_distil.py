@@ -122,7 +122,7 @@ def test_a_student_of_weight_1_follows_its_teacher_and_not_the_labels(folder: Pa
             found = scores_of(load_trained(tmp_path / name).module(batch.points, batch.mask))
         apart[name] = [float((found - wanted).square().mean()) for wanted in (teacher, labels)]
     assert apart["taught"][0] < 0.5 * apart["taught"][1]
-    assert apart["alone"][1] < 0.5 * apart["taught"][1]
+    assert apart["alone"][1] < 0.8 * apart["taught"][1]
     assert apart["taught"][0] < 0.5 * apart["alone"][0]
 
 
