@@ -1,7 +1,8 @@
 """``viewgain evaluate``: networks beside floors, with intervals."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1
 from viewgain.cli._evaluate_coverage import covered
@@ -40,19 +41,7 @@ def run_evaluate(command: Evaluate) -> int:
     Raises:
         StorageError: If they, or what is kept of boxes and folds, cannot be written.
     """
-    if isinstance(command.action, EvaluateVolume):
-        return run_evaluate_volume(command.action)
-    if isinstance(command.action, EvaluateMap):
-        return run_evaluate_map(command.action)
-    if isinstance(command.action, EvaluateReal):
-        return run_evaluate_real(command.action)
-    if isinstance(command.action, EvaluateLoop):
-        return run_evaluate_loop(command.action)
-    if isinstance(command.action, EvaluateTable2):
-        return run_evaluate_table2(command.action)
-    if isinstance(command.action, EvaluateTable1):
-        return _table1(command.action)
-    return _coverage(command.action)
+    return _RUNS[type(command.action)](command.action)
 
 
 def _table1(command: EvaluateTable1) -> int:
@@ -126,3 +115,15 @@ def _by_frame(command: EvaluateTable1, data: Dataset, named: dict[str, Scorer]) 
     if not any(scorers for _, scorers in found):
         note(f"no shipped network fits rig {rig_of(data.manifest)} in the {' or '.join(chosen)} frame: floors alone")
     return [(frame, scorers) for frame, scorers in found if scorers or frame == own]
+
+
+_RUNS: Mapping[type, Callable[[Any], int]] = {
+    EvaluateTable1: _table1,
+    EvaluateCoverage: _coverage,
+    EvaluateTable2: run_evaluate_table2,
+    EvaluateVolume: run_evaluate_volume,
+    EvaluateLoop: run_evaluate_loop,
+    EvaluateMap: run_evaluate_map,
+    EvaluateReal: run_evaluate_real,
+}
+"""What answers each question."""

@@ -2,18 +2,16 @@
 
 import json
 
-from viewgain.cli._evaluate_volume import boxes_bar
 from viewgain.cli._finish import finish
+from viewgain.cli._fresh_boxes import boxes_bar, require_two
 from viewgain.cli._volume_commands import EvaluateLoop
-from viewgain.errors import ConfigError
 from viewgain.evaluation import LoopSettings, VolumeSettings, check_loop_policies, loop_boxes, loop_markdown, loop_table
 from viewgain.report import write_loop_picture
 
 
 def run_evaluate_loop(command: EvaluateLoop) -> int:
     """Print the table."""
-    if command.boxes < 2:
-        raise ConfigError(f"evaluate loop: got {command.boxes} boxes, wanted 2 or more")
+    require_two(command, "loop")
     check_loop_policies(command.policies)
     boxes = VolumeSettings(
         seed=command.seed,

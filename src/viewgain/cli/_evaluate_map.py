@@ -3,25 +3,15 @@
 import json
 
 from viewgain.cli._finish import finish
+from viewgain.cli._fresh_boxes import boxes_alone
 from viewgain.cli._volume_commands import EvaluateMap
-from viewgain.evaluation import VolumeSettings, gain_map, gain_map_markdown
+from viewgain.evaluation import gain_map, gain_map_markdown
 from viewgain.report import write_map_picture
 
 
 def run_evaluate_map(command: EvaluateMap) -> int:
     """Print the table, and write it and the picture where a folder is named."""
-    settings = VolumeSettings(
-        seed=command.seed,
-        rig=command.rig,
-        camera=command.camera,
-        estimator=command.estimator,
-        captures=command.captures,
-        fused=command.fused,
-        side=command.side,
-        distance=command.distance,
-        elevation_deg=command.elevation,
-    )
-    drawn = gain_map(settings, command.box, command.policies)
+    drawn = gain_map(boxes_alone(command), command.box, command.policies)
     finish(
         "map",
         as_json=json.dumps(drawn.to_dict(), allow_nan=False) + "\n",

@@ -7,17 +7,31 @@ import tyro
 
 
 @dataclass(frozen=True, kw_only=True)
-class EvaluateVolume:
+class FreshBoxes:
+    """What all commands on fresh boxes ask: which boxes, seen by which camera, from how far."""
+
+    seed: int = 0
+    """Source of boxes and scans."""
+    camera: str = "pico_flexx"
+    """Camera preset (docs/cameras.md) or a TOML file."""
+    side: tuple[float, float] = (0.05, 1.2)
+    """Least and longest side of the boxes, metres."""
+    distance: float = 1.2
+    """For stations that leave it open, metres from the centre."""
+    elevation: float = 35.0
+    """For stations that leave it open, degrees."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateVolume(FreshBoxes):
     """Say how well planners choose the next view for a box's volume, on fresh boxes from a seed of your choice."""
 
     boxes: int = 20
     """How many boxes; one takes half a minute or so with the default estimator."""
-    seed: int = 0
-    """Source of boxes and scans."""
     rig: str = "irregular4"
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
-    camera: str = "pico_flexx"
-    """Camera preset (docs/cameras.md) or a TOML file."""
     policies: tuple[str, ...] = ("expected", "covariance", "farthest", "constant", "random", "oracle")
     """Who chooses: expected, covariance, farthest, constant, random, oracle, network:FILE.onnx, combined:FILE.onnx."""
     estimator: str = "default"
@@ -26,32 +40,20 @@ class EvaluateVolume:
     """Scans of each position that score it; as many others are the oracle's."""
     fused: bool = False
     """A position is worth what its scan and the present one say together (default estimator only)."""
-    side: tuple[float, float] = (0.05, 1.2)
-    """Least and longest side of the boxes, metres."""
-    distance: float = 1.2
-    """For stations that leave it open, metres from the centre."""
-    elevation: float = 35.0
-    """For stations that leave it open, degrees."""
     workers: int = 1
     """Processes; the results are the same whatever the number."""
-    json: bool = False
-    """One JSON object, one line, and nothing else on stdout."""
     out: Path | None = None
     """Folder of the results: what every box took is kept, so the same command goes on where it was; volume.md and volume.json."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class EvaluateLoop:
+class EvaluateLoop(FreshBoxes):
     """Say how many views planners need until a box's volume is certain, on fresh boxes from a seed of your choice."""
 
     boxes: int = 20
     """How many boxes; one takes up to a minute on irregular4, most of it for the oracle."""
-    seed: int = 0
-    """Source of boxes and scans."""
     rig: str = "irregular4"
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
-    camera: str = "pico_flexx"
-    """Camera preset (docs/cameras.md) or a TOML file."""
     policies: tuple[str, ...] = ("covariance", "expected", "farthest", "ring", "random", "greedy", "oracle")
     """Who chooses: covariance, expected, farthest, ring, random, greedy, oracle, network:FILE.onnx, combined:FILE.onnx."""
     most_views: int = 4
@@ -60,32 +62,20 @@ class EvaluateLoop:
     """Relative volume error asked for."""
     confidence: float = 0.95
     """Stop when the planner gives the error to be under the tolerance with this probability."""
-    side: tuple[float, float] = (0.05, 1.2)
-    """Least and longest side of the boxes, metres."""
-    distance: float = 1.2
-    """For stations that leave it open, metres from the centre."""
-    elevation: float = 35.0
-    """For stations that leave it open, degrees."""
     workers: int = 1
     """Processes; the results are the same whatever the number."""
-    json: bool = False
-    """One JSON object, one line, and nothing else on stdout."""
     out: Path | None = None
     """Folder of the results: what came of every box is kept, so the same command goes on where it was; loop.md, .json, .png."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class EvaluateMap:
+class EvaluateMap(FreshBoxes):
     """Draw what every position around one fresh box is worth: the truth of many scans, and what each policy believes."""
 
     box: int = 0
     """Which box of the seed, the same as that of evaluate volume."""
-    seed: int = 0
-    """Source of box and scans."""
     rig: str = "hemisphere48"
     """Positions: hemisphere<N>, ring<N>, irregular4, ... (docs/rigs.md), or a TOML file; one in each direction."""
-    camera: str = "pico_flexx"
-    """Camera preset (docs/cameras.md) or a TOML file."""
     policies: tuple[str, ...] = ("expected", "covariance")
     """Who decides: expected, covariance, farthest, network:FILE.onnx, combined:FILE.onnx."""
     estimator: str = "default"
@@ -94,14 +84,6 @@ class EvaluateMap:
     """Scans of each position whose mean error is the truth."""
     fused: bool = False
     """A position is worth what its scan and the present one say together (default estimator only)."""
-    side: tuple[float, float] = (0.05, 1.2)
-    """Least and longest side of the box, metres."""
-    distance: float = 1.2
-    """For stations that leave it open, metres from the centre."""
-    elevation: float = 35.0
-    """For stations that leave it open, degrees."""
-    json: bool = False
-    """One JSON object, one line, and nothing else on stdout."""
     out: Path | None = None
     """Folder to write map.md, map.json and (extra: report) map.png into."""
 

@@ -4,6 +4,7 @@ from viewgain.datasets._augment import Augmentation as Augmentation
 from viewgain.datasets._build import Progress as Progress
 from viewgain.datasets._build import build as build
 from viewgain.datasets._dataset import Dataset as Dataset
+from viewgain.datasets._engine import Dead as Dead
 from viewgain.datasets._engine import Engine as Engine
 from viewgain.datasets._engine import LocalEngine as LocalEngine
 from viewgain.datasets._engine import engine as engine

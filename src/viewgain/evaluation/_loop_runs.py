@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from viewgain.datasets import LocalEngine, write_whole
-from viewgain.errors import DataError
+from viewgain.datasets import write_whole
+from viewgain.evaluation._box_results import BOXES, Watcher, box_file, each_done, rig_digest
 from viewgain.evaluation._claim import claim, damaged, kept_text
 from viewgain.evaluation._loop_case import Loop, LoopSettings
 from viewgain.evaluation._loop_play import LoopPlay, loop_play
 from viewgain.evaluation._loop_policies import FEWEST
 from viewgain.evaluation._volume_choices import is_from_file, network_of
-from viewgain.evaluation._volume_runs import BOXES, Watcher, box_file, rig_digest
 from viewgain.inference import find_model
 
 Plays = Mapping[str, LoopPlay]
@@ -63,9 +62,7 @@ def loop_boxes(
     tasks = [_Task(settings=settings, number=number, policies=names) for number, names in enumerate(missing) if names]
     done = boxes - len(tasks)
     watch(done, boxes)
-    for task, played in LocalEngine(workers).run(_worked_out, tasks):
-        if not isinstance(played, dict):
-            raise DataError(f"box {task.number}: its worker process died twice; lower --workers and run the same command again")
+    for task, played in each_done(_worked_out, tasks, workers=workers):
         kept[task.number] |= {keys[name]: play for name, play in played.items()}
         if folder is not None:
             write_whole(box_file(folder, task.number), _text(kept[task.number]).encode())

@@ -1,9 +1,8 @@
 """Boxes worked through by processes: errors that are costly and kept, decisions that are cheap and made anew every time."""
 
 import dataclasses
-import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -11,14 +10,11 @@ from time import process_time
 import numpy as np
 
 from viewgain.arrays import Array, Mask
-from viewgain.datasets import LocalEngine, write_whole
-from viewgain.errors import DataError
+from viewgain.datasets import write_whole
+from viewgain.evaluation._box_results import BOXES, Watcher, box_file, each_done, rig_digest
 from viewgain.evaluation._claim import claim, damaged, kept_text
 from viewgain.evaluation._volume_case import VolumeSettings, case_errors, volume_case
 from viewgain.evaluation._volume_choices import DECIDING, Choice, choice, is_from_file, network_of, policy_of
-
-BOXES = "boxes"
-"""Where a folder of results holds one file per box."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,10 +44,6 @@ class _Task:
     policies: tuple[str, ...]
     known: Array | None
     """(V, 2n) errors that a file says of the box; None to work them out."""
-
-
-Watcher = Callable[[int, int], None]
-"""Told after every box: how many are done, of how many."""
 
 
 def run_boxes(
@@ -95,9 +87,7 @@ def run_boxes(
     ]
     done: dict[int, VolumeRun] = {}
     watch(0, boxes)
-    for task, run in LocalEngine(workers).run(_worked_out, tasks):
-        if not isinstance(run, VolumeRun):
-            raise DataError(f"box {task.number}: its worker process died twice; lower --workers and run the same command again")
+    for task, run in each_done(_worked_out, tasks, workers=workers):
         if folder is not None and task.known is None:
             write_whole(box_file(folder, run.number), _truth(run).encode())
         done[run.number] = run
@@ -132,10 +122,6 @@ def _truth(run: VolumeRun) -> str:
     return json.dumps({"box": run.number, "size_m": run.size, "present": run.present, "errors": rows}, allow_nan=False) + "\n"
 
 
-def box_file(folder: Path, number: int) -> Path:
-    return folder / BOXES / f"box{number:05d}.json"
-
-
 def _kept(file: Path, settings: VolumeSettings) -> Array | None:
     """Return the (V, 2n) errors that are kept of a box; None if there are none yet."""
     text = kept_text(file)
@@ -149,8 +135,3 @@ def _kept(file: Path, settings: VolumeSettings) -> Array | None:
     if errors.shape != (len(settings.stations().stations), 2 * settings.captures):
         raise damaged(file)
     return errors
-
-
-def rig_digest(settings: VolumeSettings) -> str:
-    """Return a fingerprint of the rig: a file of that name may have changed."""
-    return hashlib.sha256(repr(settings.stations()).encode()).hexdigest()[:16]
