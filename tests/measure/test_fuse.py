@@ -146,6 +146,27 @@ def test_what_one_view_leaves_open_the_other_closes() -> None:
     assert {face.name for face in found.quality.faces if face.seen} >= {"+x", "+y"} or found.quality.faces_seen == 2
 
 
+@pytest.mark.slow
+def test_what_either_view_alone_bounds_both_bound_together() -> None:
+    """Large boxes that leave the image in both scans: a pose error that is estimated must not count as an open end."""
+    bounded = 0
+    for seed in range(16):
+        rng = np.random.default_rng([16, seed])
+        box = standing_box(rng.uniform([0.7, 0.7, 0.15], [1.1, 1.1, 0.5]), yaw=rng.uniform(0, 2 * np.pi))
+        first = rng.uniform(0, 2 * np.pi)
+        scans = []
+        for azimuth in (first, first + np.pi / 2):
+            view = orbit_pose(box.centre, azimuth, rng.uniform(0.5, 1.0), rng.uniform(1.2, 1.5))
+            scans.append(scan_of(box, view=view, rng=rng).posed(off(view, rng)))
+        singles = [measure(scan, camera=CAMERA) for scan in scans]
+        if all(single.boxes and "cut" in single.boxes[0].flags and not any(single.boxes[0].is_open) for single in singles):
+            bounded += 1
+            (found,) = fuse_measurements(singles).boxes
+            assert not any(found.is_open), seed
+            assert abs(relative_volume_error(found, box)) < 0.06
+    assert bounded >= 4
+
+
 def test_two_boxes_in_two_scans_stay_two() -> None:
     rng = np.random.default_rng(5)
     boxes = standing_box(np.array([0.3, 0.2, 0.25]), at=(-0.25, 0.0)), standing_box(np.array([0.2, 0.25, 0.15]), at=(0.25, 0.05))

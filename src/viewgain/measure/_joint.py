@@ -7,12 +7,13 @@ and what is known of the box afterwards has them integrated out.
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtri
 
-from viewgain.arrays import Array, Pose
+from viewgain.arrays import Array, Mask, Pose
 from viewgain.box import PARAMETERS, Box, adjoint
 from viewgain.geometry import inverse
-from viewgain.measure._fit import COARSE, FINE, Fit, View, marginal, refine
+from viewgain.measure._fit import COARSE, FINE, SHARP, Fit, View, marginal, refine
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._pixels import thinned
 from viewgain.measure._quality import FaceView, Quality, face_views, flags, on_faces
@@ -60,6 +61,8 @@ def joint_fit(starts: list[Box], views: tuple[View, ...]) -> Fit:
 def seen_from(fit: Fit, reference: int | None) -> Fit:
     """Return the fit with the estimated pose errors taken into the poses, its box in the true frame of the reference camera.
 
+    Whoever moves the box from there compares with a value that holds no price for those errors any more.
+
     Args:
         fit: A joint fit.
         reference: Which view is the reference camera's; None if it did not see the box and its pose is taken as given.
@@ -72,7 +75,7 @@ def seen_from(fit: Fit, reference: int | None) -> Fit:
         else:
             seen = view.sees(fit.box, fit.corrections[k])
             views.append(replace(view, reference_to_camera=seen.box_to_camera @ inverse(box.box_to_camera)))
-    return replace(fit, box=box, views=tuple(views), corrections=np.zeros_like(fit.corrections))
+    return refine(box, tuple(views), SHARP, 0)  # no step: only its value, at the poses as they now are
 
 
 def estimate_of(fit: Fit, parts: list[BoxEstimate], reference_precision: Array | None) -> BoxEstimate:
@@ -87,8 +90,8 @@ def estimate_of(fit: Fit, parts: list[BoxEstimate], reference_precision: Array |
     known = _knowledge(fit, reference_precision)
     spread = known.covariance(fit.views[0].sensor)
     spread[6:, 6:] += np.diag(_disagreement(fit, parts))
-    quality = _quality(fit, parts)
-    shown = [Shown(quality.cut, quality.spans(axis), quality.reach(axis)) for axis in range(3)]
+    quality, bounded = _quality(fit, parts), _bounded_alone(fit, parts)
+    shown = [Shown(quality.cut and not bounded[axis], quality.spans(axis), quality.reach(axis)) for axis in range(3)]
     x, y, z = (extent_interval(axis, fit, known, spread, shown[axis]) for axis in range(3))
     bare = BoxEstimate(fit.box, known, spread, (x, y, z), quality, (), fit.views)
     touching = any("touching" in part.flags for part in parts)
@@ -103,8 +106,7 @@ def _disagreement(fit: Fit, parts: list[BoxEstimate]) -> Array:
     """
     values, weights = np.zeros((len(parts), 3)), np.zeros((len(parts), 3))
     for k, part in enumerate(parts):
-        seen = fit.views[k].sees(fit.box, fit.corrections[k]).box_to_camera[:3, :3]
-        order = np.argmax(np.abs(part.box.box_to_camera[:3, :3].T @ seen), axis=0)
+        order = _axes_of(part, fit, k)
         values[k] = part.box.extents[order]
         weights[k] = np.where(part.is_open, 0.0, 1 / np.diag(part.covariance)[6:])[order]
     total = np.maximum(weights.sum(axis=0), 1e-12)
@@ -112,6 +114,18 @@ def _disagreement(fit: Fit, parts: list[BoxEstimate]) -> Array:
     count = np.maximum((weights > 0).sum(axis=0), 1)
     between = (misfit - (count - 1)) / np.maximum(total - np.sum(weights**2, axis=0) / total, 1e-12)
     return np.where(misfit > chdtri(np.maximum(count - 1, 1), 1 - _CONTRADICTION), between / count, 0.0)
+
+
+def _bounded_alone(fit: Fit, parts: list[BoxEstimate]) -> Mask:
+    """Return (3,) which extents a view alone bounds: where the image's border leaves one open, another view may show its end."""
+    alone = [~np.array(part.is_open)[_axes_of(part, fit, k)] for k, part in enumerate(parts)]
+    return np.asarray(np.any(alone, axis=0))
+
+
+def _axes_of(part: BoxEstimate, fit: Fit, k: int) -> NDArray[np.intp]:
+    """Return (3,) which axis of the box as view ``k`` alone measured it is the fused box's x, y and z."""
+    seen = fit.views[k].sees(fit.box, fit.corrections[k]).box_to_camera[:3, :3]
+    return np.asarray(np.argmax(np.abs(part.box.box_to_camera[:3, :3].T @ seen), axis=0))
 
 
 def _knowledge(fit: Fit, reference_precision: Array | None) -> Knowledge:
