@@ -12,6 +12,7 @@ from benchmarks import (
     data_labels,
     data_statistics,
     enclosing,
+    error_model,
     fusion,
     lines,
     multipath,
@@ -49,6 +50,7 @@ BENCHMARKS = {
     "network": network.run,
     "rounding": rounding.run,
     "surrogate": surrogate.run,
+    "error-model": error_model.run,
 }
 
 
@@ -60,7 +62,8 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504), enclosing (500), surrogate (boxes; 160), data-labels (meshes; 20) and coverage-policies (objects; 30)",
+        " (504), enclosing (500), error-model (boxes; 1500), surrogate (boxes; 160), data-labels (meshes; 20) and"
+        " coverage-policies (objects; 30)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"
@@ -77,6 +80,8 @@ def main() -> None:
     )
     parser.add_argument("--data", nargs="*", type=Path, help="folders of data sets: data-statistics, rounding")
     parser.add_argument("--runs", nargs="*", type=Path, help="rounding: folders of training runs")
+    parser.add_argument("--kept", type=Path, help="error-model: folder that keeps what was measured, and gives it back")
+    parser.add_argument("--out", type=Path, help="error-model: also write what was fitted to all boxes, into this file")
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)
     if unknown:

@@ -36,7 +36,7 @@ class Choice:
     """What a policy says of one box."""
 
     position: int
-    """Where to go; the present position where the policy has no opinion."""
+    """Where to go; the farthest position in reach where the policy has no opinion."""
     has_opinion: bool
     """Whether it had one."""
     margin: float = 0.0
@@ -130,12 +130,16 @@ class StationNetworkPolicy:
 
 
 def choice(case: VolumeCase, policy: ViewPolicy) -> Choice:
-    """Return where a policy goes from the scan to decide by; any reachable position may be taken, the present one too."""
+    """Return where a policy goes from the scan to decide by; any reachable position may be taken, the present one too.
+
+    Without an opinion the camera leaves: where it stands the scan was good for nothing.
+    """
     seen = seen_of(case)
     scores = policy.scores(seen)
     place = choose(scores, case.reachable)
     if place is None or not np.isfinite(scores[place]):
-        return Choice(case.present, False)
+        away = choose(FarthestPolicy().scores(seen), case.reachable)
+        return Choice(case.present if away is None else away, False)
     others = np.delete(scores, place)[np.delete(case.reachable, place)]
     known = others[np.isfinite(others)]
     return Choice(place, True, float(scores[place] - known.max()) if len(known) else 0.0)

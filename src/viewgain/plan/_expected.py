@@ -1,11 +1,12 @@
 """The relative volume error to expect of a view, before it is taken: a surrogate of many scans and measurements (ours).
 
 The predicted covariance says how far off a measurement will be; what a measurement needs (bounded dimensions, enough returns)
-says whether there will be one. Where there is none the error is 1. About two milliseconds, where a simulated scan and its
-measurement take hundreds. How well it agrees with the real estimator: ``python -m benchmarks surrogate``.
+says whether there will be one. Where there is none the error is 1. This physical guess is then moved by what was learned from
+real runs. About two milliseconds, where a simulated scan and its measurement take a hundred. How well it agrees with the real
+estimator, with and without the learned part: ``python -m benchmarks surrogate``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from viewgain.camera import Sensor
 from viewgain.geometry import inverse
 from viewgain.measure import MAX_SLENDER, OPEN_SHARE, POSE_SIGMA, Knowledge, marginal, pose_precision
 from viewgain.plan._belief import Belief, relative_sigma
+from viewgain.plan._circumstances import circumstances
+from viewgain.plan._error_model import shipped_error_model
 from viewgain.plan._policy import Assessment
 from viewgain.plan._showing import Showing, showing
 
@@ -62,15 +65,39 @@ def fused_expected_error(
         noise: Its noise.
         pose_sigma: How exactly the camera arrives, standard deviation per axis, metres and radians.
     """
+    known, seen = fused_showing(box, first, camera_to_current, sensor, noise, pose_sigma)
+    return of_shown(box, known, seen, sensor)
+
+
+def fused_showing(
+    box: Box,
+    first: Showing,
+    camera_to_current: Pose,
+    sensor: Sensor,
+    noise: float = 1.0,
+    pose_sigma: tuple[float, float] = POSE_SIGMA,
+) -> tuple[Knowledge, tuple[Showing, Showing]]:
+    """Return what the present scan and one from a pose say together, and what each shows; arguments as there."""
     second = showing(box, camera_to_current, sensor, noise)
     to_box = inverse(box.box_to_camera)
     precision = pose_precision(to_box @ camera_to_current, to_box, pose_sigma)
     added = Knowledge(*marginal(second.knowledge.information, second.knowledge.systematic, precision))
-    return of_shown(box, first.knowledge.plus(added), (first, second), sensor)
+    return first.knowledge.plus(added), (first, second)
 
 
 def of_shown(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
-    """Return the expected |relative volume error| where ``known`` is what the views ``seen`` say together."""
+    """Return the expected |relative volume error| where ``known`` is what the views ``seen`` say together.
+
+    Exactly 1 where nothing of the box comes back.
+    """
+    if not any(view.returns.any() for view in seen):
+        return 1.0
+    guess = physical_error(box, known, seen, sensor)
+    return shipped_error_model().corrected(guess, circumstances(box, known, seen, sensor))
+
+
+def physical_error(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
+    """Return the same without anything learned from runs: chance of no volume, else the mean of a normal error."""
     missed = chance_of_no_volume(box, known, seen, sensor)
     off = min(MEAN_OF_NORMAL * relative_sigma(known, box, sensor), 1.0)
     return float(missed + (1 - missed) * off)
@@ -84,7 +111,7 @@ def chance_of_no_volume(box: Box, known: Knowledge, seen: tuple[Showing, ...], s
     sigma = np.sqrt(np.diag(known.covariance(sensor))[6:])
     looseness = float(np.max(sigma / (OPEN_SHARE * box.extents)))
     still_open = 1 - 1 / (1 + looseness**OPEN_POWER)
-    few = 1 - 1 / (1 + FEW / max(*(view.returns for view in seen), 1.0))
+    few = 1 - 1 / (1 + FEW / max(*(float(view.returns.sum()) for view in seen), 1.0))
     slender = SLENDER * (box.extents[2] > MAX_SLENDER * box.extents[:2].max())
     cut = 0.0
     if all(view.cut for view in seen):
@@ -117,5 +144,5 @@ class ExpectedErrorPolicy:
         if not self.fused:
             return [expected_error(box, candidate, sensor, noise) for candidate in candidates]
         here = showing(box, np.eye(4), sensor, noise)
-        first = Showing(belief.knowledge, here.spanned, here.cut, here.returns)
+        first = replace(here, knowledge=belief.knowledge)
         return [fused_expected_error(box, first, candidate, sensor, noise, self.pose_sigma) for candidate in candidates]
