@@ -11,7 +11,7 @@ from tests.oracles.scenes import CAMERA, WELL_SEEN, scan_of
 from viewgain.camera import sensor
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import LOOSE_PRIOR, SYSTEMATIC, Knowledge, marginal, measure, pose_precision, without_edge_bias
-from viewgain.measure._uncertainty import COMMON_EDGES
+from viewgain.measure._uncertainty import COMMON_EDGES, interval_of_profile
 from viewgain.scans import Scan
 from viewgain.scenes import random_box, random_view
 
@@ -143,3 +143,14 @@ def test_noise_that_is_alike_in_neighbours_widens_the_bars(seed: int) -> None:
     assert found[0].knowledge.inflation < 1.5
     assert found[1].knowledge.inflation > 4
     assert found[1].volume_sigma > 1.5 * found[0].volume_sigma
+
+
+@given(value=st.floats(0.02, 1.5), sharpness=st.floats(0.0, 9.0))
+def test_the_interval_of_a_profile_holds_its_peak_however_sharp_that_is(value: float, sharpness: float) -> None:
+    """A peak far narrower than the grid leaves a grid step's width, never nothing and never a number that is none."""
+    nodes = np.sort([*np.geomspace(0.01, 3.0, 12), value])
+    found = interval_of_profile(value, nodes, -(10**sharpness) * np.log(nodes / value) ** 2)
+    assert 0 < found.low <= value <= found.high
+    if sharpness > 5:
+        assert found.high / found.low < 1.35
+        assert 0 < found.sigma < 0.15 * value

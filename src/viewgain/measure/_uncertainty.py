@@ -198,9 +198,20 @@ def _profiled(axis: int, fit: Fit) -> Interval:
     nodes = np.sort([*np.geomspace(*PRIOR_EXTENT, _TRIED), value])
     fits = profile(evidence, axis, nodes, SHARP[0])
     heights = np.array([tried.value for tried in fits]) + np.log(nodes)  # a fit's value holds the prior, and so does the grid
+    return interval_of_profile(value, nodes, heights)
+
+
+def interval_of_profile(value: float, nodes: Array, heights: Array) -> Interval:
+    """Return the 90 % interval of an extent from its log likelihood, tempered, under the log-uniform prior.
+
+    Args:
+        value: The likeliest extent, metres.
+        nodes: (k,) ascending extents that were tried, ``value`` among them, metres.
+        heights: (k,) log likelihood of each.
+    """
     grid = np.geomspace(*PRIOR_EXTENT, 90)
     log_likelihood = OPEN_TEMPER * np.interp(np.log(grid), np.log(nodes), heights - heights.max())
-    posterior = np.exp(log_likelihood)
+    posterior = np.exp(log_likelihood - log_likelihood.max())  # a peak between two places of the grid may be far above both
     posterior /= posterior.sum()
     low, high = np.interp([0.05, 0.95], np.cumsum(posterior), grid)
     if log_likelihood[-1] > -2.0:
