@@ -108,6 +108,16 @@ def test_a_network_that_nobody_would_ask_is_refused(scans: Path, capsys: pytest.
         assert captured.out == ""
 
 
+def test_whoever_decides_the_model_says_what_each_view_would_show(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The policy expected scores by the error; what a view would teach is told beside it, as the policy model has it."""
+    by_model, by_error = (plan_of([str(scans / "one.png"), "--policy", name], capsys) for name in ("model", "expected"))
+    assert (by_model["policy"], by_error["policy"]) == ("model", "expected")
+    for one, other in zip(by_model["candidates"], by_error["candidates"], strict=True):
+        assert {**one, "score": None} == {**other, "score": None}
+        assert one["score"] != other["score"]
+        assert 0 <= other["score"] <= 1
+
+
 def test_best_is_the_top_of_the_reachable_scores_up_to_a_tie(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan = plan_of([str(scans / "one.png")], capsys)
     scores = np.array([c["score"] for c in plan["candidates"] if c["reachable"]])

@@ -93,7 +93,7 @@ def test_the_json_form_has_its_keys_and_survives_json(case: str) -> None:
         assert candidate["index"] == index
         assert all(set(face) == {"name", "incidence_deg", "returns"} for face in candidate["faces"])
     if case == "other policy":
-        assert [candidate["volume_sigma_m3"] for candidate in content["candidates"]] == [None] * 8
+        assert all(0 < candidate["volume_sigma_m3"] < 0.01 for candidate in content["candidates"])  # as the model has it
         assert content["best"] == 7
 
 

@@ -81,7 +81,8 @@ def test_a_network_is_trained_exported_and_asked_on_fresh_boxes(
         ranked[policy] = json.loads(capsys.readouterr().out)
         assert (ranked[policy]["policy"], len(ranked[policy]["candidates"])) == (policy, 8)
     assert ranked["network"]["candidates"] != ranked["combined"]["candidates"]
-    assert main(["next", str(scan), "--policy", "network"]) == 2
+    two = ["--model", str(file), str(file)]
+    assert main(["next", str(scan), "--policy", "network", *two]) == 2
     assert "wanted one that was trained for volumes" in capsys.readouterr().err
     assert main(["evaluate", "volume", *arguments, "--policies", "network:nowhere.onnx"]) == 2
     assert "no such file" in capsys.readouterr().err

@@ -9,11 +9,11 @@ from typing import Literal
 class Deciding:
     """Who decides."""
 
-    policy: Literal["model", "network", "combined"] = "model"
-    """model: what each view would teach about the box; network: a trained network, of the objective; combined: for volume, the
-    mean of the network and of the error that the model expects."""
+    policy: Literal["model", "expected", "network", "combined"] = "model"
+    """model: what each view would teach about the box; expected: the volume error that is to be expected after it; network: a
+    trained network, of the objective; combined: for volume, the mean of expected and network."""
     model: tuple[Path, ...] = ()
-    """Network files made by viewgain export, several for their mean; default the shipped one for the rig and for whether the
-    scan has a pose."""
+    """Network files made by viewgain export, several for their mean; default the shipped one of the objective: for volume the one
+    of any rig, for coverage that of the rig and of whether the scan has a pose."""
     abstain: float = 0.0
     """With --policy network: name no view where the probability that it is the best is under this; 0 for never."""

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from viewgain.cli._commands import Next
@@ -9,11 +10,17 @@ from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
 from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.errors import ConfigError
-from viewgain.inference import Ensemble, PoseScorer, find_model, model_name, shipped_models
-from viewgain.measure import REASONS, fuse, measure
-from viewgain.plan import ExpectedErrorPolicy, NetworkPolicy, Policy, VolumeNetworkAboutBox, next_view
+from viewgain.inference import VOLUME_MODEL, Ensemble, PoseScorer, find_model, model_name, shipped_models
+from viewgain.measure import POSE_SIGMA, REASONS, fuse, measure
+from viewgain.plan import CovariancePolicy, ExpectedErrorPolicy, NetworkPolicy, Policy, VolumeNetworkAboutBox, next_view
 from viewgain.rigs import rig
 from viewgain.scans import Scan
+
+BY_MODEL: Mapping[str, Callable[[], Policy]] = {
+    "model": lambda: CovariancePolicy(POSE_SIGMA),
+    "expected": ExpectedErrorPolicy,
+}
+"""Policies that need no network."""
 
 
 def run_next(command: Next) -> int:
@@ -45,17 +52,21 @@ def run_next(command: Next) -> int:
     return 0
 
 
-def _policy(command: Next, scan: Scan) -> Policy | None:
-    """Return who decides; None for the model-based policy."""
+def _policy(command: Next, scan: Scan) -> Policy:
+    """Return who decides."""
     deciding = command.deciding
-    if deciding.policy == "model":
+    if deciding.policy in BY_MODEL:
         if command.objective == "coverage":
-            raise ConfigError("--objective coverage: got --policy model, which knows boxes only; add --policy network")
+            raise ConfigError(
+                f"--objective coverage: got --policy {deciding.policy}, which knows boxes only; add --policy network"
+            )
         if deciding.abstain:
-            raise ConfigError("--abstain: got --policy model, which always chooses; add --policy network")
+            raise ConfigError(f"--abstain: got --policy {deciding.policy}, which always chooses; add --policy network")
         if deciding.model:
-            raise ConfigError(f"--model: got {deciding.model[0]}, and --policy model asks no network; add --policy network")
-        return None
+            raise ConfigError(
+                f"--model: got {deciding.model[0]}, and --policy {deciding.policy} asks no network; add --policy network"
+            )
+        return BY_MODEL[deciding.policy]()
     if command.objective != "coverage":
         return _for_volume(command, scan)
     if deciding.policy == "combined":
@@ -67,15 +78,15 @@ def _policy(command: Next, scan: Scan) -> Policy | None:
 
 def _for_volume(command: Next, scan: Scan) -> Policy:
     deciding = command.deciding
-    if len(deciding.model) != 1:
+    if len(deciding.model) > 1:
         raise ConfigError(
             f"--policy {deciding.policy}: got {len(deciding.model)} networks for --objective {command.objective}, wanted one that"
-            " was trained for volumes; name it with --model"
+            " was trained for volumes; name it with --model, or none for the shipped one"
         )
     if deciding.abstain:
         raise ConfigError("--abstain: got --objective volume, wanted --objective coverage")
     model = ExpectedErrorPolicy() if deciding.policy == "combined" else None
-    return VolumeNetworkAboutBox(PoseScorer.load(deciding.model[0]), scan, model)
+    return VolumeNetworkAboutBox(PoseScorer.load(deciding.model[0] if deciding.model else VOLUME_MODEL), scan, model)
 
 
 def _shipped(rig_name: str, *, posed: bool) -> Path:

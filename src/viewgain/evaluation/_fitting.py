@@ -1,6 +1,6 @@
 """The shipped networks that fit what is judged."""
 
-from viewgain.inference import FrameName, Scorer, shipped_models
+from viewgain.inference import POSE_KIND, FrameName, Scorer, shipped_models
 
 
 def shipped_scorers(rig: str) -> dict[str, Scorer]:
@@ -9,7 +9,8 @@ def shipped_scorers(rig: str) -> dict[str, Scorer]:
     Raises:
         ModelError: If one is damaged.
     """
-    opened = {name: Scorer.load(name, threads=1) for name in shipped_models()}
+    fixed = [name for name in shipped_models() if not name.startswith(f"{POSE_KIND}-")]  # those have no rig
+    opened = {name: Scorer.load(name, threads=1) for name in fixed}
     return {name: scorer for name, scorer in opened.items() if scorer.refusal(rig=rig) is None}
 
 

@@ -18,6 +18,7 @@ from viewgain.inference._scorer import INPUTS as INPUTS
 from viewgain.inference._scorer import Scorer as Scorer
 from viewgain.inference._scores import CloudScorer as CloudScorer
 from viewgain.inference._scores import Scores as Scores
+from viewgain.inference._shipped import VOLUME_MODEL as VOLUME_MODEL
 from viewgain.inference._shipped import find_model as find_model
 from viewgain.inference._shipped import model_name as model_name
 from viewgain.inference._shipped import shipped_models as shipped_models

@@ -3,9 +3,12 @@
 from pathlib import Path
 
 from viewgain.errors import ModelError
+from viewgain.inference._card import POSE_KIND
 
 FOLDER = Path(__file__).parent / "weights"
 """Where they lie: ``NAME.onnx``, each with its card as ``NAME.md``."""
+VOLUME_MODEL = f"{POSE_KIND}-any-camera"
+"""The one of any rig's candidates that scores what a box's volume gains: it decides where none is named."""
 
 
 def shipped_models() -> tuple[str, ...]:

@@ -182,6 +182,8 @@ def next_view(
     back = _step_back(believed)
     poses = place(stations, _target(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
     assessments = decider.assess(believed, poses, tolerance)
+    if objective == "volume":
+        assessments = _told(assessments, CovariancePolicy(pose_sigma), believed, poses, tolerance)
     candidates = tuple(
         Candidate(index, pose, assessment, reachable)
         for index, (pose, assessment, reachable) in enumerate(
@@ -211,6 +213,19 @@ def next_view(
         reason,
         objective,
         abstention,
+    )
+
+
+def _told(
+    assessments: tuple[Assessment, ...], model: CovariancePolicy, belief: Belief, candidates: Poses, tolerance: float
+) -> tuple[Assessment, ...]:
+    """Return the assessments with what the model expects of each candidate where the policy that scored them does not say."""
+    if all(each.outlook is not None for each in assessments):
+        return assessments
+    expected = model.assess(belief, candidates, tolerance)
+    return tuple(
+        replace(each, outlook=each.outlook or by_model.outlook, prediction=each.prediction or by_model.prediction)
+        for each, by_model in zip(assessments, expected, strict=True)
     )
 
 

@@ -20,9 +20,9 @@ class Assessment:
     score: float
     """The higher the better; comparable within one call only."""
     outlook: Outlook | None
-    """Expected knowledge of the volume after fusing the candidate, where the policy predicts it."""
+    """Expected knowledge of the volume after fusing the candidate, where the policy predicts it; next_view fills it in."""
     prediction: Prediction | None
-    """What the candidate would show, where the policy predicts it."""
+    """What the candidate would show, where the policy predicts it; next_view fills it in."""
     sigma: float | None = None
     """Standard deviation of the score, where the policy gives one."""
 
