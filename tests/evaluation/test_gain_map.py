@@ -22,7 +22,7 @@ from viewgain.evaluation import (
 from viewgain.evaluation._volume_choices import seen_of
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA
-from viewgain.plan import CovariancePolicy, ExpectedErrorPolicy, FarthestPolicy, MeanPolicy, OnBelief, Seen, ViewPolicy
+from viewgain.plan import CombinedPolicy, CovariancePolicy, ExpectedErrorPolicy, FarthestPolicy, OnBelief, Seen, ViewPolicy
 
 SETTINGS = VolumeSettings(seed=5, rig="ring8", captures=2, estimator="lines_published", side=(0.2, 0.5))
 
@@ -97,10 +97,10 @@ def test_scores_come_to_one_meaning_whatever_constant_a_policy_adds() -> None:
     assert errors.meaning == "error"
     np.testing.assert_allclose(errors.values, 1 - expected.scores(seen))
     assert np.all((errors.values > 0) & (errors.values <= 1))
-    both = valued(MeanPolicy(expected, deciders()[0], weight=0.25), seen)
+    both = valued(CombinedPolicy(expected, deciders()[0]), seen)
     assert both.meaning == "error"
     np.testing.assert_allclose(both.values, errors.values)
-    silent = MeanPolicy(expected, Fixed((np.nan,) * 8))
+    silent = CombinedPolicy(expected, Fixed((np.nan,) * 8))
     assert valued(silent, seen).meaning == "minus_score"
     np.testing.assert_allclose(valued(FarthestPolicy(), seen).values, -FarthestPolicy().scores(seen))
 

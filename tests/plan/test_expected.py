@@ -1,5 +1,7 @@
 """The expected error of a view: laws, and that it tells views apart as simulated measurements do."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -10,17 +12,18 @@ from viewgain.camera import sensor
 from viewgain.errors import ViewgainError
 from viewgain.gain import volume_estimator
 from viewgain.geometry import inverse, look_at
-from viewgain.measure import measure
 from viewgain.plan import (
+    CombinedPolicy,
     ExpectedErrorPolicy,
     FarthestPolicy,
-    MeanPolicy,
     OnBelief,
     Seen,
     expected_error,
     fused_expected_error,
     physical_error,
     showing,
+    trust,
+    weighted,
 )
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
@@ -137,7 +140,7 @@ def test_spanned_axes_are_those_whose_ends_can_be_seen() -> None:
     assert seen.spanned[2]
 
 
-def test_the_policy_ranks_by_the_box_that_was_measured_and_the_mean_takes_whoever_has_an_opinion() -> None:
+def test_the_policy_ranks_by_the_box_that_was_measured_and_decides_there_alone() -> None:
     present = view(0.5)
     scan = capture(Scene((BOX,)), present, CAMERA, rng=np.random.default_rng(0)).posed(present)
     candidates = np.stack([view(0.5), view(0.5, distance=0.45), view(2.0)])
@@ -146,9 +149,37 @@ def test_the_policy_ranks_by_the_box_that_was_measured_and_the_mean_takes_whoeve
     scores = policy.scores(seen)
     truth = np.array([1 - expected_error(BOX, camera, CAMERA) for camera in candidates])
     assert np.argsort(scores).tolist() == np.argsort(truth).tolist()
-    assert measure(scan, camera=CAMERA).boxes
+    combined = CombinedPolicy(policy, FarthestPolicy())
+    assert combined.scores(seen) == pytest.approx(scores)
     blind = Seen((), present[None], candidates, (0,), CAMERA.intrinsics)
-    mean = MeanPolicy(policy, FarthestPolicy(), weight=0.25)
-    far = FarthestPolicy().scores(seen)
-    assert mean.scores(seen) == pytest.approx(0.25 * scores + 0.75 * far)
-    assert mean.scores(blind) == pytest.approx(far)
+    assert combined.scores(blind) == pytest.approx(FarthestPolicy().scores(seen))
+
+
+def test_where_a_dimension_is_open_the_network_has_half_a_say() -> None:
+    """A front whose depth nobody sees: the weights are those of what is believed."""
+    box = standing_box(np.array([0.32, 0.26, 0.3]))
+    present = orbit_pose(box.centre, 0.0, np.deg2rad(4), 1.1)
+    scan = capture(Scene((box,)), present, CAMERA, rng=np.random.default_rng(4)).posed(present)
+    candidates = np.stack([present, orbit_pose(box.centre, 1.0, 0.6, 1.2), orbit_pose(box.centre, 2.5, 0.6, 1.2)])
+    seen = Seen((scan,), present[None], candidates, (0,), CAMERA.intrinsics)
+    policy = OnBelief(ExpectedErrorPolicy(), CAMERA)
+    known = policy.measuring(seen)
+    belief = policy.belief(known)
+    assert belief is not None
+    assert not belief.bounded
+    assert trust(belief) == 0.5
+    assert trust(replace(belief, guessed=True)) == trust(None) == 0.0
+    assert trust(replace(belief, bounded=True)) == 1.0
+    mean = (policy.scores(seen) + FarthestPolicy().scores(seen)) / 2
+    assert CombinedPolicy(policy, FarthestPolicy()).scores(seen) == pytest.approx(mean)
+
+
+@given(st.lists(st.tuples(*[st.floats(-1, 1) | st.just(np.nan)] * 2), min_size=1, max_size=6), st.floats(0, 1))
+def test_a_weighted_mean_lies_between_and_takes_whoever_has_an_opinion(pairs: list[tuple[float, float]], weight: float) -> None:
+    one, two = np.array(pairs).T
+    mean = weighted(one, two, weight)
+    assert np.array_equal(np.isnan(mean), np.isnan(one) & np.isnan(two))
+    both = ~np.isnan(one) & ~np.isnan(two)
+    assert np.all(mean[both] >= np.minimum(one, two)[both] - 1e-12)
+    assert np.all(mean[both] <= np.maximum(one, two)[both] + 1e-12)
+    assert np.array_equal(mean[~both], np.where(np.isnan(one), two, one)[~both], equal_nan=True)

@@ -7,13 +7,15 @@ import numpy as np
 
 from viewgain.arrays import Mask, Vector
 from viewgain.plan import (
+    CombinedPolicy,
     CovariancePolicy,
     ExpectedErrorPolicy,
-    MeanPolicy,
     OnBelief,
     Seen,
     ViewPolicy,
     VolumeNetworkPolicy,
+    trust,
+    weighted,
 )
 
 Meaning: TypeAlias = Literal["error", "sigma_left", "minus_score"]
@@ -33,10 +35,11 @@ class Valued:
 
 def valued(policy: ViewPolicy, seen: Seen) -> Valued:
     """Return what a policy thinks of the candidates of ``seen``, in their order."""
-    if isinstance(policy, MeanPolicy):
-        one, two = valued(policy.first, seen), valued(policy.second, seen)
+    if isinstance(policy, CombinedPolicy):
+        known = policy.model.measuring(seen)
+        one, two = valued(policy.model, known), valued(policy.network, known)
         if one.meaning == two.meaning:  # policies of one unit up to a constant, which is gone here
-            return Valued(policy.mean(one.values, two.values), one.meaning)
+            return Valued(weighted(one.values, two.values, trust(policy.model.belief(known))), one.meaning)
     scores = policy.scores(seen)
     asked = policy.policy if isinstance(policy, OnBelief) else policy
     if isinstance(asked, ExpectedErrorPolicy):

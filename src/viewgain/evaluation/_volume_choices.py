@@ -13,10 +13,10 @@ from viewgain.gain import unrolled
 from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan import (
+    CombinedPolicy,
     CovariancePolicy,
     ExpectedErrorPolicy,
     FarthestPolicy,
-    MeanPolicy,
     OnBelief,
     Seen,
     ViewPolicy,
@@ -46,13 +46,13 @@ class Choice:
 Maker = Callable[[VolumeCase], ViewPolicy]
 """Gives the policy that decides on a case."""
 DECIDING: Mapping[str, Maker] = {
-    "expected": lambda case: OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera),
+    "expected": lambda case: _expected(case),
     "covariance": lambda case: OnBelief(CovariancePolicy(POSE_SIGMA), case.camera),
     "farthest": lambda case: FarthestPolicy(),
 }
 """Policies by name, but for networks: ``expected`` goes by the expected error, which is what is scored, ``covariance`` by the
 certainty after fusing, ``farthest`` by the way from the present position."""
-FROM_FILE = {"network": "its scores alone", "combined": "the mean of them and of minus the expected error"}
+FROM_FILE = {"network": "its scores alone", "combined": "they and minus the expected error, weighted by what is known"}
 """Policies that are named with a file, ``network:FILE.onnx``, and what decides."""
 
 
@@ -85,7 +85,11 @@ def policy_of(name: str, case: VolumeCase) -> ViewPolicy:
     if name in DECIDING:
         return DECIDING[name](case)
     network = network_of(name, case.settings)
-    return MeanPolicy(DECIDING["expected"](case), network) if name.startswith("combined:") else network
+    return CombinedPolicy(_expected(case), network) if name.startswith("combined:") else network
+
+
+def _expected(case: VolumeCase) -> OnBelief:
+    return OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera)
 
 
 def network_of(name: str, settings: VolumeSettings) -> ViewPolicy:

@@ -1,6 +1,6 @@
 """The two kinds of policy in each other's place: a general one where a box is planned for, one about a box in any episode."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -70,15 +70,23 @@ class OnBelief:
 
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) scores; NaN where nothing stands on a floor, or no scan showed anything."""
-        nothing = np.full(len(seen.candidates), np.nan)
-        if not seen.scans:
-            return nothing
-        measured = seen.measured or self._measured(list(seen.scans))
-        belief, here = believe(measured, self.sensor), measured.camera_to_world
+        known = self.measuring(seen)
+        belief = self.belief(known)
+        here = None if known.measured is None else known.measured.camera_to_world
         if belief is None or here is None:
-            return nothing
+            return np.full(len(seen.candidates), np.nan)
         assessed = self.policy.assess(belief, inverse(here) @ seen.candidates, self.tolerance)
         return np.array([assessment.score for assessment in assessed])
+
+    def measuring(self, seen: Seen) -> Seen:
+        """Return what was seen, with what the scans say together; without scans as it is."""
+        if seen.measured is not None or not seen.scans:
+            return seen
+        return replace(seen, measured=self._measured(list(seen.scans)))
+
+    def belief(self, seen: Seen) -> Belief | None:
+        """Return what is believed after :meth:`measuring`; None where nothing stands on a floor, or there is no scan."""
+        return None if seen.measured is None else believe(seen.measured, self.sensor)
 
     def _measured(self, scans: list[Scan]) -> Measurement:
         if len(scans) == 1:

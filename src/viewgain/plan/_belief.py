@@ -40,6 +40,8 @@ class Belief:
     """Its noise on this scene as a multiple of the data sheet's."""
     bounded: bool
     """Whether the scans bound every dimension."""
+    guessed: bool = False
+    """Whether nothing could be measured, and the box is a guess at what stands there."""
 
     @property
     def mean(self) -> Box:
@@ -100,7 +102,7 @@ def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Be
     box = Box(placing @ pose(np.eye(3), np.array([middle[0], middle[1], 0.0])), extents)
     third = np.concatenate([np.full(2, 50.0), [0.5], np.repeat(3 / extents.mean(), 2), [20.0], 3 / extents]) ** 2
     knowledge = Knowledge(np.diag(third), np.zeros((PARAMETERS, SYSTEMATIC)))
-    return Belief((box,), knowledge, sensor, current.floor.noise, False)
+    return Belief((box,), knowledge, sensor, current.floor.noise, bounded=False, guessed=True)
 
 
 def outlook(belief: Belief, tolerance: float) -> Outlook:
