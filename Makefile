@@ -4,6 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 ARGS ?=
 TABLE2_MINUTES ?= 30
+RECORDED_CAPTURES ?= 100
 
 # One thread per process: the arrays are small, and two pools of threads on the same cores cost more than they bring.
 export OMP_NUM_THREADS := 1
@@ -11,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 volume-nbv loop-nbv setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 table2-recorded volume-nbv loop-nbv setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -56,24 +57,40 @@ table1: $(VENV)/dev.stamp ## Judge the shipped networks on fresh objects and wri
 table-coverage: $(VENV)/dev.stamp ## The same over ten views: coverage beside random, farthest and greedy oracle, tables/coverage.md
 	$(BIN)/viewgain evaluate coverage --fresh 10 --workers 2 --out tables $(ARGS)
 
-# Trains a recipe on the boxes: one that finished is left as it is, one that was interrupted goes on, else it begins. run.json is there
+# Trains a recipe on a data set: one that finished is left as it is, one that was interrupted goes on, else it begins. run.json is there
 # from the first step on, so only a stamp written last says that a run has finished.
 define trained
 test -e runs/$(1)/finished || { \
 	if test -e runs/$(1)/run.json; \
-	then $(BIN)/viewgain train --resume runs/$(1) --data data/boxes --minutes $(TABLE2_MINUTES); \
-	else $(BIN)/viewgain train $(1) --data data/boxes --out runs/$(1) --minutes $(TABLE2_MINUTES); \
+	then $(BIN)/viewgain train --resume runs/$(1) --data $(2) --minutes $(TABLE2_MINUTES); \
+	else $(BIN)/viewgain train $(1) --data $(2) --out runs/$(1) --minutes $(TABLE2_MINUTES); \
 	fi && touch runs/$(1)/finished; }
 endef
 
 table2: $(VENV)/dev.stamp ## Build the paper's boxes, train briefly, print its Table 2 (hours; TABLE2_MINUTES of training per network)
 	$(BIN)/viewgain dataset build boxes_paper --out data/boxes --workers 2 --resume --errors lines_published
-	$(call trained,volume_paper_short)
+	$(call trained,volume_paper_short,data/boxes)
 	$(BIN)/viewgain export runs/volume_paper_short --out runs/volume_paper_short.onnx
 	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_short.onnx --out tables/table2 $(ARGS)
-	$(call trained,volume_paper_tally)
+	$(call trained,volume_paper_tally,data/boxes)
 	$(BIN)/viewgain export runs/volume_paper_tally --out runs/volume_paper_tally.onnx
 	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_tally.onnx --target tally:4,3,2,2:0 --out tables/table2-tally $(ARGS)
+
+# Each recording draws from a seed of its own, so that no two share their noise; boxes.toml comes last and says that all are there.
+data/recordings-simulated/boxes.toml: | $(VENV)/dev.stamp
+	@mkdir -p $(@D); rm -f $@.part; seed=0; \
+	for camera in pico_zense xtion; do for box in "large 0.60 0.40 0.30" "medium 0.40 0.30 0.20" "small 0.30 0.22 0.26"; do \
+		set -- $$box; seed=$$((seed + 1)); to=$(@D)/$$1_$$camera; \
+		test -e $$to/truth.json || $(BIN)/viewgain simulate --dims $$2 $$3 $$4 --camera $$camera --rig recorded4 \
+			--captures $(RECORDED_CAPTURES) --seed $$seed --by-station --formats png --workers 2 --out $$to || exit; \
+		echo "$$1_$$camera = [$$2, $$3, $$4]" >> $@.part; \
+	done; done; mv $@.part $@
+
+table2-recorded: data/recordings-simulated/boxes.toml ## Simulate recordings as the paper's, train briefly, print their Table 2 (docs/recording.md)
+	$(BIN)/viewgain dataset build boxes_recorded_paper --recordings $(<D) --out data/recorded --workers 2 --resume --errors lines_published
+	$(call trained,volume_recorded_short,data/recorded)
+	$(BIN)/viewgain export runs/volume_recorded_short --out runs/volume_recorded_short.onnx
+	$(BIN)/viewgain evaluate table2 --data data/recorded --models runs/volume_recorded_short.onnx --folds 3 --leave 1 --recipe volume_recorded_short --out tables/table2-recorded $(ARGS)
 
 volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume is chosen, on fresh boxes (hours; goes on where it was)
 	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --out tables/volume $(ARGS)

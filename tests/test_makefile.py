@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,10 @@ import pytest
 ROOT = Path(__file__).parents[1]
 STAND_IN = """#!/bin/sh
 echo "$@" >> calls
-case "$1" in train)
+case "$1" in simulate)
+    while test $# -gt 1; do shift; done
+    mkdir -p "$1" && touch "$1/truth.json";;
+train)
     case "$2" in --resume) run=$3;; *) run=$6;; esac
     mkdir -p "$run" && touch "$run/run.json"
     test ! -e interrupt || exit 130
@@ -58,3 +62,18 @@ def test_table2_goes_on_with_an_interrupted_run_and_skips_a_finished_one(checkou
     assert made(checkout) == (0, [f"train --resume runs/{RECIPES[0]} {rest}", fresh[1]])
     assert made(checkout) == (0, [])
     assert (checkout / "calls").read_text().count("evaluate table2") == 2
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
+def test_table2_recorded_simulates_each_box_by_both_cameras_once(checkout: Path) -> None:
+    for again in (False, True):
+        subprocess.run(["make", "table2-recorded"], cwd=checkout, capture_output=True, timeout=60, check=True)
+        calls = [line.split() for line in (checkout / "calls").read_text().splitlines()]
+        simulated = [call for call in calls if call[0] == "simulate"]
+        assert len(simulated) == len({call[call.index("--seed") + 1] for call in simulated}) == 6
+        assert [call[0] for call in calls].count("evaluate") == 1 + again
+    folder = checkout / "data" / "recordings-simulated"
+    sizes = tomllib.loads((folder / "boxes.toml").read_text())
+    assert set(sizes) == {each.name for each in folder.iterdir() if each.is_dir()}
+    for call in simulated:
+        assert sizes[Path(call[-1]).name] == [float(side) for side in call[2:5]]

@@ -70,7 +70,8 @@ def assert_same(found: Rig, expected: Rig) -> None:
         np.testing.assert_allclose(one.half_angle, other.half_angle, rtol=1e-12)
         np.testing.assert_equal(one.apex, other.apex)
     for mine, theirs in zip(found.stations, expected.stations, strict=True):
-        assert (mine.distance, mine.corner, mine.unnormalised) == (theirs.distance, theirs.corner, theirs.unnormalised)
+        assert (mine.name, mine.corner, mine.unnormalised) == (theirs.name, theirs.corner, theirs.unnormalised)
+        assert mine.distance == theirs.distance
         assert (mine.elevation is None) == (theirs.elevation is None)
         angles = [(station.azimuth, station.elevation or 0.0) for station in (mine, theirs)]
         np.testing.assert_allclose(angles[0], angles[1], rtol=1e-12)
@@ -125,7 +126,8 @@ def test_any_rig_survives_being_written_and_read(tmp_path_factory: pytest.TempPa
     rng = np.random.default_rng(seed)
     cones = (KeepOut(axis=rng.normal(size=3), half_angle=1.0), KeepOut(axis=UP, half_angle=0.1, apex=rng.normal(size=3)))
     drawn = irregular_rig(3, rng=rng)
-    stations = (*drawn.stations, Station(corner=1, unnormalised=True), Station(camera_to_world=orbit(np.zeros(3), 1.0, 0.5, 2.0)))
+    posed = Station(camera_to_world=orbit(np.zeros(3), 1.0, 0.5, 2.0), name="on_the_wall")
+    stations = (*drawn.stations, Station(corner=1, unnormalised=True, name="left-1"), posed)
     whole = replace(drawn, name=name, stations=stations, keep_out=cones, max_height=float(rng.uniform(1, 3)))
     assert_same(written(to_toml(whole), tmp_path_factory.mktemp("rigs")), whole)
 
@@ -151,6 +153,10 @@ BAD = {
     "a fifth corner": "[[view]]\ncorner = 4\n",
     "half a corner": "[[view]]\ncorner = 0.5\n",
     "a corner that is true": "[[view]]\ncorner = true\n",
+    "a name that is a number": "[[view]]\nname = 3\n",
+    "a name that leaves its folder": "[[view]]\nname = '../left'\n",
+    "a name that is hidden": "[[view]]\nname = '.left'\n",
+    "a name twice": "[[view]]\nname = 'left'\n[[view]]\nname = 'left'\n",
     "unnormalised in words": "[[view]]\ncorner = 0\nunnormalised = 'yes'\n",
     "unnormalised without a corner": "[[view]]\nunnormalised = true\n",
     "a pose and an angle": f"[[view]]\nazimuth_deg = 3\ncamera_to_world = {EYE.tolist()}\n",

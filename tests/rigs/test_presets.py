@@ -16,7 +16,7 @@ BOX = Target.at(np.array([0.3, -0.2, 0.29]), np.array([0.57, 0.28, 0.58]))
 """Upright, not turned; its top corner (+x, +y) is at (0.585, -0.06, 0.58), its half diagonal is 0.3175 m."""
 CORNER = np.array([0.585, -0.06, 0.58])
 ROUNDING = 1e-12
-COUNTS = {"ring8": 8, "paper4": 4, "paper4_unnormalised": 4, "irregular4": 4, "pcnbv16": 16, "pcnbv33": 33}
+COUNTS = {"ring8": 8, "paper4": 4, "paper4_unnormalised": 4, "recorded4": 4, "irregular4": 4, "pcnbv16": 16, "pcnbv33": 33}
 
 
 def directions(stations: Rig) -> np.ndarray:
@@ -102,7 +102,17 @@ def test_unnormalised_is_their_formula() -> None:
         poses(rig("paper4_unnormalised"), Target.at(BOX.centre))
 
 
-@pytest.mark.parametrize("name", ["paper4", "paper4_unnormalised"])
+def test_recordings_stand_where_their_names_say_by_hand() -> None:
+    """Half a metre and a metre of floor from the corner, level with it or as far above it, in the order of the alphabet."""
+    ahead = np.array([0.897553, 0.440903])
+    offsets = poses(rig("recorded4"), BOX)[:, :3, 3] - CORNER
+    names = [station.name for station in rig("recorded4").stations]
+    assert names == ["Sameheight_050", "Sameheight_100", "Top_050", "Top_100"] == sorted(names)
+    np.testing.assert_allclose(offsets[:, :2], [0.5 * ahead, ahead, 0.5 * ahead, ahead], atol=2e-6)
+    np.testing.assert_allclose(offsets[:, 2], [0.0, 0.0, 0.5, 1.0], atol=ROUNDING)
+
+
+@pytest.mark.parametrize("name", ["paper4", "paper4_unnormalised", "recorded4"])
 def test_the_paper_looks_at_the_top_corner(name: str) -> None:
     for camera in poses(rig(name), BOX):
         sight = CORNER - camera[:3, 3]

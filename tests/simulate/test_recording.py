@@ -62,6 +62,26 @@ def test_there_is_a_file_per_station_capture_and_format(tmp_path: Path) -> None:
     assert [shot.name for shot in shots if shot.name] == names
 
 
+def test_by_station_each_has_a_folder_of_its_name(tmp_path: Path) -> None:
+    rig = replace(RIG, stations=(replace(RIG.stations[0], name="left"), *RIG.stations[1:]))
+    shots = record(recording(rig=rig, formats=("npz",), by_station=True), tmp_path)
+    assert [shot.name for shot in shots if shot.name] == ["left/view00_000", "view04/view04_000"]
+    assert [path.name for path in (tmp_path / "left").iterdir()] == ["view00_000.npz"]
+    flat = record(recording(rig=rig, formats=("npz",)), tmp_path / "flat")
+    assert (tmp_path / "left" / "view00_000.npz").read_bytes() == (tmp_path / "flat" / f"{flat[0].name}.npz").read_bytes()
+    (tmp_path / "truth.json").unlink()
+    with pytest.raises(ConfigError, match="holds a recording already"):
+        record(recording(rig=rig, formats=("npz",), by_station=True), tmp_path)
+
+
+def test_by_station_nothing_is_written_that_would_be_read_otherwise() -> None:
+    with pytest.raises(ConfigError, match="would count twice"):
+        recording(by_station=True, formats=("png", "npz"))
+    turned = replace(RIG, stations=(replace(RIG.stations[0], name="west"), *RIG.stations[1:]))
+    with pytest.raises(ConfigError, match="alphabetical order"):
+        recording(by_station=True, formats=("npz",), rig=turned)
+
+
 def test_refused_stations_say_why(tmp_path: Path) -> None:
     shots = record(recording(), tmp_path)
     assert [shot.reason for shot in shots] == [None, "kept out", "too near", "fewer than 100 returns", None]

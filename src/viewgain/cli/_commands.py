@@ -159,6 +159,8 @@ class Simulate:
     """Draw this camera's systematic range error from what calibration leaves; default none."""
     formats: tuple[Literal["png", "npz", "ply"], ...] = ("png", "npz")
     """What to write of each scan; a PNG comes with its camera JSON."""
+    by_station: bool = False
+    """A folder for each station, as recordings are read (docs/recording.md); needs one format alone."""
     workers: int = 1
     """Processes to share the stations; the files are the same whatever the number."""
 

@@ -41,6 +41,7 @@ def run_simulate(command: Simulate) -> int:
         frames=command.frames,
         perfect=command.perfect,
         formats=tuple(command.formats),
+        by_station=command.by_station,
     )
     shots = record(recording, command.out, workers=command.workers)
     taken = [shot for shot in shots if shot.name]

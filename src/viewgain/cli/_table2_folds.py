@@ -11,7 +11,7 @@ import numpy as np
 from viewgain.cli._volume_commands import EvaluateTable2
 from viewgain.datasets import Dataset, make_folder, write_whole
 from viewgain.errors import StorageError
-from viewgain.evaluation import claim, damaged, kept_text, leave_out, markdown_table, table2
+from viewgain.evaluation import boxes_of, claim, damaged, kept_text, leave_out, markdown_table, table2
 from viewgain.inference import Scorer
 from viewgain.training import Means, TrainingRecipe, export_run, recipe_to_table, resume, start, training_recipe
 
@@ -29,7 +29,9 @@ def folds(command: EvaluateTable2, data: Dataset, out: Path) -> list[dict[str, A
         DataError: If the folder holds results of other settings, or a result in it is damaged.
         StorageError: If it cannot be written.
     """
-    choices = leave_out(np.unique(data.column("object")).tolist(), command.leave, most=command.folds, seed=command.seed)
+    boxes = boxes_of(data)
+    chosen = leave_out(range(len(boxes)), command.leave, most=command.folds, seed=command.seed)
+    choices = [tuple(sorted(number for box in choice for number in boxes[box])) for choice in chosen]
     recipe = training_recipe(command.recipe)
     claim(out, _question(command, data, recipe))
     found = []

@@ -109,7 +109,7 @@ class EvaluateTable2:
     """Say how often networks name the best position of a box, on boxes that train and on others: the paper's Table 2."""
 
     data: Path
-    """Folder of a built boxes_paper set, with volume errors (viewgain dataset build boxes_paper --errors lines_published)."""
+    """Folder of a built set of boxes or recordings, with volume errors (viewgain dataset build ... --errors lines_published)."""
     models: tuple[str, ...] = ()
     """Networks of whole scans: .onnx files or shipped names; none for the floors alone."""
     target: str = "histogram:lines_published:soft"

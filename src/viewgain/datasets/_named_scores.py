@@ -24,7 +24,7 @@ def with_target(data: Dataset, name: str) -> Dataset:
 
     Raises:
         ConfigError: If there is no such estimator or objective, or the tally does not fit.
-        DataError: If there is no such target, or the errors have not been worked out.
+        DataError: If there is no such target, the errors have not been worked out, or a box has no known size to have errors.
     """
     if name in data.manifest.targets:
         return data
@@ -34,11 +34,20 @@ def with_target(data: Dataset, name: str) -> Dataset:
         if estimator not in ESTIMATORS or objective not in HISTOGRAM_OBJECTIVES:
             known = f"one of {', '.join(ESTIMATORS)} and one of {', '.join(HISTOGRAM_OBJECTIVES)}"
             raise ConfigError(f"target {name}: got {estimator!r} and {objective!r}, wanted {known}")
+        _require_sizes(data)
         return data.with_scores(name, histogram_scores(data, estimator, HISTOGRAM_OBJECTIVES[objective]))
     if kind == TALLY and len(words) == 2:
         return data.with_scores(name, tally_scores(data, name, *words))
     known = ", ".join([*data.manifest.targets, f"{HISTOGRAM}:ESTIMATOR:OBJECTIVE", f"{TALLY}:4,3,2,2:SEED"])
     raise DataError(f"{data.folder}: got the target {name!r}, wanted one of {known}")
+
+
+def _require_sizes(data: Dataset) -> None:
+    """Refuse boxes of unknown size: all their errors are missing, and the first position would pass for the best."""
+    is_unknown = ~np.isfinite(np.asarray(data.column("dims"), dtype=float)).all(axis=1)
+    names = [data.manifest.objects[number].partition("/")[0] for number in np.unique(data.column("object")[is_unknown]).tolist()]
+    if names:
+        raise DataError(f"{data.folder}: got no size of {', '.join(names)}; add it to boxes.toml and build the data set anew")
 
 
 def tally_scores(data: Dataset, name: str, tally: str, seed: str) -> Mapping[int, Array]:

@@ -19,6 +19,7 @@ RECIPES = (
         for tiny in ("", "_tiny")
     ),
     "boxes_paper_tenth",
+    "boxes_recorded_paper",
     "coverage_learn_tiny",
     "coverage_table1",
     "coverage_pcnbv_learn",

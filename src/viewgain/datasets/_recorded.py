@@ -22,6 +22,8 @@ SCAN_FILES = (".ply", ".pcd", ".npz", ".npy", ".xyz", ".txt", ".csv", ".png")
 """What counts as a scan in a position's folder; hidden files and JSON beside depth images do not."""
 UNNAMED = "recorded"
 """The camera of scans whose camera is not named."""
+LONGEST = 10.0
+"""A side of a box is shorter, metres; in millimetres it would not be."""
 
 
 class RecordedMaker:
@@ -51,13 +53,20 @@ class RecordedMaker:
         """Yield one unit per position of a box, in alphabetical order.
 
         Raises:
-            ConfigError: If there is no scan in a folder of a folder, or ``boxes.toml`` is wrong.
+            ConfigError: If there is no scan in a folder of a folder, ``boxes.toml`` is wrong or names a box without a folder, or
+                the positions of two boxes are as many but called otherwise.
         """
         boxes = _folders(self._folder)
+        _require_same_names(boxes)
         sizes = read_sizes(self._folder)
+        unknown = sorted(set(sizes) - {box.name for box in boxes})
+        if unknown:
+            file = self._folder / "boxes.toml"
+            raise ConfigError(f"{file}: got sizes of {', '.join(unknown)}, wanted names of folders with scans")
+        apart = _kept_apart([box.name for box in boxes], sizes, self._content.test_boxes)
         number = 0
         for index, box in enumerate(boxes):
-            part = "test" if index >= len(boxes) - self._content.test_boxes else "train"
+            part = "test" if box.name in apart else "train"
             for view, files in enumerate(_positions(box)):
                 name = f"{box.name}/{files[0].parent.name}"
                 source = (view, [str(file) for file in files], [str(each[0]) for each in _positions(box)], sizes.get(box.name))
@@ -113,7 +122,7 @@ def read_sizes(folder: Path) -> dict[str, list[float]]:
     """Return the three sides of each box, metres, from ``boxes.toml``: ``small = [0.306, 0.218, 0.262]``; empty without the file.
 
     Raises:
-        ConfigError: If it cannot be read, or a value is not three positive lengths.
+        ConfigError: If it cannot be read, or a value is not three lengths in metres.
     """
     path = folder / "boxes.toml"
     if not path.exists():
@@ -124,8 +133,8 @@ def read_sizes(folder: Path) -> dict[str, list[float]]:
     except (OSError, ValueError, TypeError) as error:
         raise ConfigError(f"{path}: cannot be read ({error}); wanted lines like small = [0.306, 0.218, 0.262]") from error
     for name, sides in sizes.items():
-        if len(sides) != 3 or not all(0 < side < np.inf for side in sides):
-            raise ConfigError(f"{path}: got {sides} for {name}, wanted three positive lengths in metres")
+        if len(sides) != 3 or not all(0 < side < LONGEST for side in sides):
+            raise ConfigError(f"{path}: got {sides} for {name}, wanted three lengths over 0 and under {LONGEST:g}, in metres")
     return sizes
 
 
@@ -137,6 +146,26 @@ def _folders(folder: Path) -> list[Path]:
     if not boxes:
         raise ConfigError(f"{folder}: got no box/position/scan files, wanted scans two folders down ({' '.join(SCAN_FILES)})")
     return boxes
+
+
+def _require_same_names(boxes: list[Path]) -> None:
+    """Refuse positions with other names from box to box: their order, which is the rig's, would not be the same."""
+    seen: dict[int, tuple[Path, list[str]]] = {}
+    for box in boxes:
+        names = [files[0].parent.name for files in _positions(box)]
+        first, wanted = seen.setdefault(len(names), (box, names))
+        if names != wanted:
+            raise ConfigError(f"{box}: got the positions {', '.join(names)}, wanted those of {first.name}: {', '.join(wanted)}")
+
+
+def _kept_apart(names: list[str], sizes: Mapping[str, list[float]], count: int) -> set[str]:
+    """Return the folders of the last so many boxes. Folders of one size are one box, which two cameras have recorded."""
+    alike: dict[object, list[str]] = {}
+    for name in names:
+        size = sizes.get(name)
+        alike.setdefault(name if size is None else tuple(size), []).append(name)
+    boxes = list(alike.values())
+    return {name for box in boxes[max(0, len(boxes) - count) :] for name in box}
 
 
 def _positions(box: Path) -> list[list[Path]]:

@@ -133,7 +133,7 @@ class RecordedSettings:
     train_share: float = 0.7
     """Of the division ``same_box``: share of the scans of each position that train, drawn at random."""
     test_boxes: int = 1
-    """Of the division ``other_box``: the last so many boxes, by name, test."""
+    """Of the division ``other_box``: the last so many boxes, by name, test. Folders of one size in ``boxes.toml`` are one box."""
     camera: str = ""
     """Camera preset or file, for the estimators; empty where not known."""
 

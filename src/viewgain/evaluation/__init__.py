@@ -20,6 +20,7 @@ from viewgain.evaluation._families import families as families
 from viewgain.evaluation._families import without_and_with as without_and_with
 from viewgain.evaluation._fitting import of_frame as of_frame
 from viewgain.evaluation._fitting import shipped_scorers as shipped_scorers
+from viewgain.evaluation._folds import boxes_of as boxes_of
 from viewgain.evaluation._folds import leave_out as leave_out
 from viewgain.evaluation._gain_map import GainMap as GainMap
 from viewgain.evaluation._gain_map import PolicyMap as PolicyMap

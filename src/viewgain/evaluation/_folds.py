@@ -5,7 +5,21 @@ from itertools import combinations
 
 import numpy as np
 
+from viewgain.datasets import Dataset
 from viewgain.errors import ConfigError
+
+
+def boxes_of(data: Dataset) -> list[tuple[int, ...]]:
+    """Return the objects of each box, by the first of them. Objects of one size are one box, which several cameras have recorded.
+
+    Held out apart, the one would be judged by a network that has learned the other.
+    """
+    objects, dims = data.column("object").astype(int), np.asarray(data.column("dims"), dtype=float)
+    alike: dict[object, list[int]] = {}
+    for number in np.unique(objects).tolist():
+        size = dims[int(np.argmax(objects == number))]
+        alike.setdefault(tuple(size.tolist()) if np.all(np.isfinite(size)) else number, []).append(number)
+    return [tuple(numbers) for numbers in alike.values()]
 
 
 def leave_out(objects: Sequence[int], leave: int, *, most: int | None = None, seed: int = 0) -> list[tuple[int, ...]]:

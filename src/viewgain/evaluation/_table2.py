@@ -68,7 +68,7 @@ def table2(
     other: Sequence[int] | None = None,
     seed: int = 0,
 ) -> Table2:
-    """Return the table of a built ``boxes_paper`` set.
+    """Return the table of a built ``boxes_paper`` set, or of recordings.
 
     Args:
         data: Scans of boxes from the positions of one rig, with volume errors where the target wants them.

@@ -20,7 +20,7 @@ Table: TypeAlias = dict[str, object]
 LIMITS = ("min_distance", "max_distance", "min_height", "max_height")
 """Limits of a rig, metres; named alike in the file."""
 TOP_KEYS = ("name", "absolute", *LIMITS, "jitter", "keep_out", "view")
-VIEW_KEYS = ("azimuth_deg", "elevation_deg", "distance_m", "corner", "unnormalised", "camera_to_world")
+VIEW_KEYS = ("azimuth_deg", "elevation_deg", "distance_m", "corner", "unnormalised", "camera_to_world", "name")
 JITTER_KEYS = ("azimuth_deg", "elevation_deg", "distance_share", "position_m", "aim_m", "rotation_deg")
 KEEP_OUT_KEYS = ("axis", "half_angle_deg", "apex")
 
@@ -104,6 +104,7 @@ def _station(row: object) -> Station:
         corner=corner,
         unnormalised=_flag(view.get("unnormalised", False)),
         camera_to_world=_array(view["camera_to_world"]) if "camera_to_world" in view else None,
+        name=_word(view.get("name", "")),
     )
 
 
@@ -147,6 +148,12 @@ def _flag(value: object) -> bool:
     return value
 
 
+def _word(value: object) -> str:
+    if not isinstance(value, str):
+        raise ConfigError(f"got {value!r}, wanted a name in quotes")
+    return value
+
+
 def _array(value: object) -> Array:
     return np.asarray(value, dtype=float)
 
@@ -173,9 +180,10 @@ def _turn(interval: Interval) -> Interval:
 def _values(station: Station) -> tuple[object, ...]:
     """Return what a view's table holds, in the order of its keys; None is left out."""
     if station.camera_to_world is not None:
-        return None, None, None, None, None, station.camera_to_world.tolist()
+        return None, None, None, None, None, station.camera_to_world.tolist(), station.name or None
     elevation = None if station.elevation is None else float(np.rad2deg(station.elevation))
-    return float(np.rad2deg(station.azimuth)), elevation, station.distance, station.corner, station.unnormalised or None, None
+    azimuth, unnormalised = float(np.rad2deg(station.azimuth)), station.unnormalised or None
+    return azimuth, elevation, station.distance, station.corner, unnormalised, None, station.name or None
 
 
 def _lines(keys: tuple[str, ...], values: tuple[object, ...]) -> list[str]:

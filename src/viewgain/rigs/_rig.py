@@ -1,5 +1,7 @@
 """The records: a station, the cone that a camera must not enter, and the rig that holds them in order."""
 
+import re
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,8 +31,13 @@ class Station:
     """Divide the horizontal offset from the corner by the half diagonal of the footprint in metres: the authors' scripts do."""
     camera_to_world: Pose | None = None
     """A pose instead of all of the above."""
+    name: str = ""
+    """What its scans' folder is called where each station has one; empty for its number."""
 
     def __post_init__(self) -> None:
+        # A folder's name on any system, and no hidden one: a reader of recordings passes over those.
+        if not re.fullmatch(r"([A-Za-z0-9_][A-Za-z0-9_-]*)?", self.name):
+            raise ConfigError(f"got a station called {self.name!r}, wanted letters, digits, _ and - only")
         numbers = (self.azimuth, self.elevation or 0.0, 1.0 if self.distance is None else self.distance)
         if not np.all(np.isfinite(numbers)) or numbers[2] <= 0:
             raise ConfigError(f"got angles {numbers[:2]} and distance {numbers[2]}, wanted finite ones and a positive distance")
@@ -93,3 +100,6 @@ class Rig:
             raise ConfigError(
                 f"rig {self.name}: wanted at least one station, finite min_distance and min_height, and maxima no less than those"
             )
+        twice = [name for name, count in Counter(station.name for station in self.stations).items() if name and count > 1]
+        if twice:
+            raise ConfigError(f"rig {self.name}: got the name {twice[0]!r} for more than one station, wanted different ones")

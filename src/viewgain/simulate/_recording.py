@@ -67,6 +67,8 @@ class Recording:
     """No noise, no jitter, no effects at all."""
     formats: tuple[str, ...] = ("png", "npz")
     """What to write of each scan."""
+    by_station: bool = False
+    """A folder for each station, by its name, as recordings are read (docs/recording.md)."""
 
     def __post_init__(self) -> None:
         if self.captures < 1 or self.frames < 1:
@@ -83,6 +85,16 @@ class Recording:
         unknown = set(self.formats) - set(FORMATS)
         if unknown or not self.formats:
             raise ConfigError(f"got formats {list(self.formats)}, wanted some of {', '.join(FORMATS)}")
+        if self.by_station:
+            self._check_folders()
+
+    def _check_folders(self) -> None:
+        """Refuse what would be read back otherwise: every file is a scan there, and folders come in alphabetical order."""
+        if len(self.formats) > 1:
+            raise ConfigError(f"got formats {list(self.formats)} by station, wanted one: a scan in two files would count twice")
+        names = [folder_of(self.rig, station) for station in range(len(self.rig.stations))]
+        if names != sorted(names):
+            raise ConfigError(f"rig {self.rig.name}: got stations {names}, wanted alphabetical order, as folders are read")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +106,7 @@ class Shot:
     capture: int
     """Which of its scans."""
     name: str | None
-    """File name without ending; None if the camera cannot stand there or saw nothing."""
+    """File name without ending, with its folder if it has one; None if the camera cannot stand there or saw nothing."""
     camera_to_world: list[list[float]]
     """(4, 4) pose."""
     reason: str | None
@@ -115,13 +127,12 @@ def record(recording: Recording, folder: Path, *, workers: int = 1) -> list[Shot
     """
     if workers < 1:
         raise ConfigError(f"got {workers} workers, wanted at least 1")
-    if (folder / "truth.json").exists() or any(folder.glob("view[0-9]*_*")):
-        raise ConfigError(f"{folder}: holds a recording already; name another folder, or empty this one")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ScanError(f"{folder}: cannot be made ({error.strerror}); name a folder that can be written") from error
     stations = range(len(recording.rig.stations))
+    own = [folder / folder_of(recording.rig, station) for station in stations] if recording.by_station else []
+    if (folder / "truth.json").exists() or any(any(each.glob("view[0-9]*_*")) for each in (folder, *own)):
+        raise ConfigError(f"{folder}: holds a recording already; name another folder, or empty this one")
+    for each in (folder, *own):
+        _make_folder(each)
     if workers == 1:
         caster = SceneCaster(recording.scene)
         shots = [shot for station in stations for shot in _record_station(recording, folder, station, caster)]
@@ -159,6 +170,18 @@ def truth(recording: Recording, shots: list[Shot]) -> dict[str, Any]:
     }
 
 
+def folder_of(rig: Rig, station: int) -> str:
+    """Return the name of a station's folder: its own, or ``view00``."""
+    return rig.stations[station].name or f"view{station:02d}"
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ScanError(f"{folder}: cannot be made ({error.strerror}); name a folder that can be written") from error
+
+
 @contextmanager
 def single_threads() -> Iterator[None]:
     """Give every process started inside one thread: pools of threads on the same cores made them six times slower."""
@@ -188,9 +211,10 @@ def _record_in_process(recording: Recording, folder: Path, station: int) -> list
 
 def _record_station(recording: Recording, folder: Path, station: int, caster: SceneCaster) -> list[Shot]:
     shots = []
+    inside = f"{folder_of(recording.rig, station)}/" if recording.by_station else ""
     for number in range(recording.captures):
         cameras, rng = station_poses(recording, station, number)
-        name = f"view{station:02d}_{number:03d}"
+        name = f"{inside}view{station:02d}_{number:03d}"
         reason = refusals(recording.rig, cameras, recording.target)[station] or blocked(recording.scene, cameras[station, :3, 3])
         if reason is None:
             reason = _shoot(recording, folder / name, caster, cameras[station], rng)

@@ -11,6 +11,7 @@ from viewgain.gain import POSITION_LIMITS
 from viewgain.inference import Metric, ModelCard, Source
 from viewgain.network import export_onnx
 from viewgain.training._load import Trained, load_trained
+from viewgain.training._settings import DataSettings
 
 VOLUME_TASK = (
     "How well a box's volume would be measured from each candidate view, from one scan: minus the expected |relative error|, or"
@@ -29,6 +30,11 @@ VOLUME_LIMITS = (
     "Trained on simulated scans; what a view is worth was worked out from the true box, without what hides it from there.",
 )
 """What a network of volumes is not for."""
+COUNTED_LIMITS = (
+    "A box that stands on a floor in view, from positions like those of its scans.",
+    "What a view is worth was counted over scans of that very box: it need say nothing of boxes that were not trained on.",
+)
+"""What a network is not for whose targets were counted, or drawn, box by box."""
 
 
 def export_run(
@@ -91,8 +97,14 @@ def card_of(
         trained_on=tuple(sources) or (_source(facts),),
         training=_training(trained),
         metrics=(*_validation(trained), *metrics),
-        limits=tuple(limits if limits is not None else VOLUME_LIMITS if recipe.data.whole_scan else LIMITS),
+        limits=tuple(limits if limits is not None else _limits(recipe.data)),
     )
+
+
+def _limits(data: DataSettings) -> tuple[str, ...]:
+    if not data.whole_scan:
+        return LIMITS
+    return COUNTED_LIMITS if data.target.startswith(("histogram:", "tally:")) else VOLUME_LIMITS
 
 
 def _source(facts: Any) -> Source:

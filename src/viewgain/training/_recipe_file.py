@@ -22,6 +22,8 @@ TRAINING_RECIPES = (
     "volume_paper",
     "volume_paper_short",
     "volume_paper_tally",
+    "volume_recorded",
+    "volume_recorded_short",
     "volume_irregular",
     "volume_irregular_fixed",
     "volume_random",
