@@ -92,10 +92,13 @@ table2-recorded: data/recordings-simulated/boxes.toml ## Simulate recordings as 
 	$(BIN)/viewgain export runs/volume_recorded_short --out runs/volume_recorded_short.onnx
 	$(BIN)/viewgain evaluate table2 --data data/recorded --models runs/volume_recorded_short.onnx --folds 3 --leave 1 --recipe volume_recorded_short --out tables/table2-recorded $(ARGS)
 
+# The networks that come with the package, alone and with the model, beside everything that needs none.
+volume_policies = network:pose_scores-$(1)-camera combined:pose_scores-$(1)-camera expected covariance farthest random constant oracle
+
 volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume is chosen, on fresh boxes (hours; goes on where it was)
-	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --out tables/volume $(ARGS)
-	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --estimator lines_published --out tables/volume-lines $(ARGS)
-	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) --out tables/volume $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) --estimator lines_published --out tables/volume-lines $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --policies $(call volume_policies,irregular) --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
 
 loop-nbv: $(VENV)/dev.stamp ## Print how many views planners need until a box's volume is certain, on fresh boxes (hours; goes on where it was)
 	$(BIN)/viewgain evaluate loop --boxes 100 --seed 7 --workers 2 --out tables/loop $(ARGS)

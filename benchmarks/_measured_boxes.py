@@ -27,6 +27,8 @@ CAMERAS = {"pico_flexx": 0.5, "flexx2": 0.25, "kinect_v2": 0.15, "azure_kinect_n
 """How often each camera is drawn; large images cost more."""
 PAIRS = 3
 """Pairs of positions that are fused, per box."""
+STAYING = 3
+"""Of every so many boxes one is also measured twice from the same position."""
 _STREAM = (0x5A5A, 2)
 _RANDOM_STATIONS = 6
 _ELEVATION, _DISTANCE = np.deg2rad(35.0), 1.2
@@ -93,6 +95,9 @@ def measured_box(number: int) -> MeasuredBox | None:
     for _ in range(PAIRS):
         present, following = rng.choice(list(measured), 2, replace=False).tolist()
         pairs.append((present, following, _error([measured[present], measured[following]], box)))
+    if number % STAYING == 0:
+        present = pairs[0][0]
+        pairs.append((present, present, _error([measured[present], _measured(scans, present, 1)], box)))
     return MeasuredBox(camera.name, box, cameras, alone, tuple(pairs))
 
 
@@ -104,9 +109,9 @@ def _rig(rng: np.random.Generator) -> Rig:
     return rig("ring8") if kind == 2 else irregular_rig(_RANDOM_STATIONS, rng=rng)
 
 
-def _measured(scans: BoxScans, view: int) -> Measurement | None:
+def _measured(scans: BoxScans, view: int, number: int = 0) -> Measurement | None:
     try:
-        return measured_scan(scans, view, 0, POSE_SIGMA)
+        return measured_scan(scans, view, number, POSE_SIGMA)
     except (ViewgainError, np.linalg.LinAlgError):
         return None
 

@@ -13,7 +13,17 @@ from hypothesis import strategies as st
 from tests.oracles.networks_on_disk import card_of, exported, small_settings
 from viewgain.errors import ConfigError, ModelError, ScanError
 from viewgain.geometry import rotation_from_rotvec
-from viewgain.inference import Bounds, Scorer, bounds_of, find_model, model_name, normalised, shipped_models, thinned
+from viewgain.inference import (
+    Bounds,
+    PoseScorer,
+    Scorer,
+    bounds_of,
+    find_model,
+    model_name,
+    normalised,
+    shipped_models,
+    thinned,
+)
 
 Array = np.ndarray
 
@@ -201,7 +211,7 @@ def test_weights_that_are_no_numbers_are_found(folder: Path, tmp_path: Path) -> 
 def test_names_find_the_shipped_networks_or_say_which_there_are(tmp_path: Path) -> None:
     assert model_name("compact", "pcnbv16", "object") == "compact-pcnbv16-object"
     for name in shipped_models():
-        assert Scorer.load(name).card.views > 0
+        assert (PoseScorer if name.startswith("pose_scores-") else Scorer).load(name).card.views > 0
     for name in ("no-such-network", "../weights/README", ""):
         with pytest.raises(ModelError, match="not shipped"):
             find_model(name)

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from viewgain.cli import main
-from viewgain.inference import Scorer, find_model, shipped_models
+from viewgain.inference import VOLUME_MODEL, PoseScorer, Scorer, find_model, shipped_models
 
 LARGEST, ALL = 8e6, 40e6
 """Bytes of one file, and of all together."""
@@ -13,11 +13,11 @@ LARGEST, ALL = 8e6, 40e6
 
 def test_each_is_small_and_its_card_says_what_it_learned_from_and_how_good_it_is() -> None:
     names = shipped_models()
-    assert {"compact-pcnbv16-object", "compact_view-pcnbv16-object", "compact-pcnbv16-camera"} <= set(names)
+    assert {"compact-pcnbv16-object", "compact_view-pcnbv16-object", "compact-pcnbv16-camera", VOLUME_MODEL} <= set(names)
     assert sum(find_model(name).stat().st_size for name in names) < ALL
     for name in names:
         assert find_model(name).stat().st_size < LARGEST
-        card = Scorer.load(name).card
+        card = (PoseScorer if name.startswith("pose_scores-") else Scorer).load(name).card
         assert f"{card.kind}-{card.rig}-{card.frame}" == name
         assert all(source.licence == "Apache-2.0" for source in card.trained_on)
         assert card.metrics

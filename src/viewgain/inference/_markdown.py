@@ -18,7 +18,8 @@ def to_markdown(card: ModelCard) -> str:
     cloud = "a whole scan" if card.normalisation == "metres" else "the object without its floor"
     rig = f"rig `{card.rig}`, {card.views} views; scores come {ORDERS[card.order]}"
     if card.kind == POSE_KIND:
-        told, rig = "and the candidates' poses in the present camera", "any; scores come in the order in which they are given"
+        told = "and the candidates' poses in the present camera"
+        rig = f"any; trained on rig `{card.rig}`; scores come in the order in which they are given"
     lines = [
         f"# {card.name}",
         "",

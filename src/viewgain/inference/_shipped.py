@@ -7,8 +7,8 @@ from viewgain.inference._card import POSE_KIND
 
 FOLDER = Path(__file__).parent / "weights"
 """Where they lie: ``NAME.onnx``, each with its card as ``NAME.md``."""
-VOLUME_MODEL = f"{POSE_KIND}-any-camera"
-"""The one of any rig's candidates that scores what a box's volume gains: it decides where none is named."""
+VOLUME_MODEL = f"{POSE_KIND}-irregular-camera"
+"""The one that decides for the volume where none is named: trained on random rigs, for the candidates of any."""
 
 
 def shipped_models() -> tuple[str, ...]:
