@@ -20,6 +20,7 @@ from viewgain.plan import (
     Seen,
     expected_error,
     fused_expected_error,
+    fused_showing,
     physical_error,
     showing,
     trust,
@@ -69,10 +70,6 @@ def test_by_physics_noise_and_distance_never_help_a_small_box() -> None:
     assert guess(BOX, view(0.7), 4.0) > guess(BOX, view(0.7), 1.0)
 
 
-def test_noise_does_not_help_a_well_seen_box() -> None:
-    assert expected_error(BOX, view(0.7), CAMERA, 4.0) > expected_error(BOX, view(0.7), CAMERA, 1.0)
-
-
 @given(
     sides=st.tuples(*[st.floats(0.06, 1.2)] * 3),
     azimuth=st.floats(-3.1, 3.1),
@@ -118,15 +115,20 @@ def run_of(box: Box, camera: np.ndarray, rng: np.random.Generator) -> float:
     return min(abs(volume / box.volume - 1), 1.0) if np.isfinite(volume) else 1.0
 
 
-def test_fusing_helps_and_another_side_helps_most() -> None:
+def test_fusing_helps_and_by_physics_another_side_helps_most() -> None:
+    """Real runs of a well seen box err by half a percent wherever the second scan is from, the same place included."""
     present = view(0.4)
     here = BOX.in_frame(inverse(present))
     first = showing(here, np.eye(4), CAMERA, 1.0)
     alone = expected_error(here, np.eye(4), CAMERA)
-    again, opposite = (
-        fused_expected_error(here, first, inverse(present) @ view(azimuth), CAMERA) for azimuth in (0.4, 0.4 + np.pi)
-    )
-    assert opposite < again < alone
+    candidates = [inverse(present) @ view(azimuth) for azimuth in (0.4, 0.4 + np.pi)]
+    assert max(fused_expected_error(here, first, candidate, CAMERA) for candidate in candidates) < alone
+    guesses = []
+    for candidate in candidates:
+        known, both = fused_showing(here, first, candidate, CAMERA)
+        guesses.append(physical_error(here, known, both, CAMERA))
+    again, opposite = guesses
+    assert opposite < again < physical_error(here, first.knowledge, (first,), CAMERA)
 
 
 def test_spanned_axes_are_those_whose_ends_can_be_seen() -> None:
@@ -143,12 +145,14 @@ def test_spanned_axes_are_those_whose_ends_can_be_seen() -> None:
 def test_the_policy_ranks_by_the_box_that_was_measured_and_decides_there_alone() -> None:
     present = view(0.5)
     scan = capture(Scene((BOX,)), present, CAMERA, rng=np.random.default_rng(0)).posed(present)
-    candidates = np.stack([view(0.5), view(0.5, distance=0.45), view(2.0)])
+    aside = look_at(np.array([1.0, 1.0, 1.0]), np.array([1.3, 0.3, 0.0]), UP)
+    candidates = np.stack([view(0.5), view(0.5, distance=0.45), aside])
     seen = Seen((scan,), present[None], candidates, (0,), CAMERA.intrinsics)
     policy = OnBelief(ExpectedErrorPolicy(fused=False), CAMERA)
     scores = policy.scores(seen)
     truth = np.array([1 - expected_error(BOX, camera, CAMERA) for camera in candidates])
-    assert np.argsort(scores).tolist() == np.argsort(truth).tolist()
+    assert truth[0] > truth[1] > truth[2] + 0.5
+    assert scores == pytest.approx(truth, abs=0.02)
     combined = CombinedPolicy(policy, FarthestPolicy())
     assert combined.scores(seen) == pytest.approx(scores)
     blind = Seen((), present[None], candidates, (0,), CAMERA.intrinsics)
