@@ -62,7 +62,7 @@ def test_the_footprint_turns_with_the_box(drawn: GainMap) -> None:
 def test_the_picture_says_what_it_shows(drawn: GainMap) -> None:
     figure = map_figure(drawn)
     words = texts(figure)
-    assert {"truth", "network:wise", "covariance", "mute", "least 1 %", "rank correlation 0.97", "no opinion"} <= words
+    assert {"truth", "network", "wise", "covariance", "mute", "least 1 %", "rank correlation 0.97", "no opinion"} <= words
     assert {"present camera", "truly best position", "best by the policy", "out of reach"} <= words
     assert "expected volume error, % of the volume" in words
     assert "standard deviation of the volume left,\n% of today's" in words

@@ -85,14 +85,17 @@ def _panels(drawn: GainMap) -> list[_Panel]:
     for said in drawn.policies:
         agreed = "none" if said.correlation is None else f"{said.correlation:.2f}".replace("-", "−")
         best = "no opinion" if said.best is None else f"its best truly errs {percent(float(np.round(truth.mean[said.best], 4)))}"
-        panels.append(_Panel(_short(said.name), (f"rank correlation {agreed}", best), said.meaning, said.values, said.best))
+        kind, file = _kind_and_file(said.name)
+        details = (*file, f"rank correlation {agreed}", best)
+        panels.append(_Panel(kind, details, said.meaning, said.values, said.best))
     return panels
 
 
-def _short(name: str) -> str:
-    """Return the name of a policy without the folders of its file."""
-    kind, colon, file = name.partition(":")
-    return kind + colon + file.replace("\\", "/").rpartition("/")[2].removesuffix(".onnx")
+def _kind_and_file(name: str) -> tuple[str, tuple[str, ...]]:
+    """Return the kind of a policy, and below it the name of its network's file, if any: both in a line are wider than a map."""
+    kind, _, file = name.partition(":")
+    short = file.replace("\\", "/").rpartition("/")[2].removesuffix(".onnx")
+    return kind, (short,) if short else ()
 
 
 def _norm(panel: _Panel, panels: Sequence[_Panel], reachable: Mask) -> Normalize:
