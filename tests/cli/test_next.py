@@ -6,7 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from viewgain.camera import sensor
 from viewgain.cli import main
+from viewgain.scans import write_scan
+from viewgain.scenes import Scene, orbit_pose, standing_box
+from viewgain.simulate import capture
 
 FIRST_KEYS = {"schema", "rig", "objective", "policy", "current", "candidates", "best", "stop"}
 KEYS = FIRST_KEYS | {"p_within_tolerance", "tolerance", "confidence", "reason", "abstention"}
@@ -100,11 +104,11 @@ def test_bad_options_are_one_line_and_exit_2(option: str, value: str, scans: Pat
 
 
 def test_a_network_that_nobody_would_ask_is_refused(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for policy in ([], ["--policy", "model"]):
-        assert main(["next", str(scans / "one.png"), *policy, "--model", "mine.onnx"]) == 2
+    for policy in ("auto", "model", "expected"):
+        assert main(["next", str(scans / "one.png"), "--policy", policy, "--model", "mine.onnx"]) == 2
         captured = capsys.readouterr()
         (error,) = captured.err.splitlines()
-        assert "--model: got mine.onnx, and --policy model asks no network" in error
+        assert f"--model: got mine.onnx, and --policy {policy} asks none that is named" in error
         assert captured.out == ""
 
 
@@ -116,6 +120,25 @@ def test_whoever_decides_the_model_says_what_each_view_would_show(scans: Path, c
         assert {**one, "score": None} == {**other, "score": None}
         assert one["score"] != other["score"]
         assert 0 <= other["score"] <= 1
+
+
+def test_who_decides_by_itself_depends_on_what_is_known_and_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A box seen whole: the model. A front whose depth nobody sees: model and network, and as if that had been asked for."""
+    box = standing_box(np.array([0.32, 0.26, 0.3]))
+    for name, elevation, decides in (("whole", 35.0, "model"), ("front", 4.0, "combined")):
+        view = orbit_pose(box.centre, 0.5 if name == "whole" else 0.0, np.deg2rad(elevation), 1.1)
+        scan = capture(Scene((box,)), view, sensor("pico_flexx"), rng=np.random.default_rng(4))
+        write_scan(scan, tmp_path / f"{name}.npz")
+        arguments = [str(tmp_path / f"{name}.npz"), "--camera", "pico_flexx", "--tolerance", "0.001"]
+        by_itself, asked = (plan_of([*arguments, *more], capsys) for more in ([], ["--policy", decides]))
+        assert by_itself["policy"] == decides
+        assert by_itself == asked
+        assert main(["next", *arguments]) == 0
+        words = capsys.readouterr().out
+        assert ("every dimension is bounded" in words) == (decides == "model")
+        assert ("Decided by model and network together" in words) == (decides == "combined")
+        assert main(["next", *arguments, "--policy", decides]) == 0
+        assert "Decided by" not in capsys.readouterr().out
 
 
 def test_best_is_the_top_of_the_reachable_scores_up_to_a_tie(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:

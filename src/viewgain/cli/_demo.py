@@ -4,8 +4,9 @@ import numpy as np
 
 from viewgain.camera import sensor
 from viewgain.cli._commands import Demo
-from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
+from viewgain.cli._text import decider_in_words, decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.episodes import Step, World, run_episode
+from viewgain.plan import AutomaticPolicy
 from viewgain.report import write_report
 from viewgain.scenes import Scene, SceneRanges, random_box, random_view
 
@@ -22,6 +23,7 @@ def run_demo(command: Demo) -> int:
         first,
         rng=rng,
         rig=command.rig,
+        policy=AutomaticPolicy,
         tolerance=command.tolerance,
         confidence=command.confidence,
         max_views=command.max_views,
@@ -41,4 +43,6 @@ def _tell(step: Step, error: float, *, last: bool) -> None:
         print(f"Against the truth: volume off by {error:.2%}.")
     if not (last and step.plan.stop):
         to_stdout(ranking_table(step.plan))
+    if not step.plan.stop:
+        print(decider_in_words(step.plan))
     print(decision_in_words(step.plan))

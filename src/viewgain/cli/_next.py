@@ -8,19 +8,28 @@ from pathlib import Path
 from viewgain.cli._commands import Next
 from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
-from viewgain.cli._text import decision_in_words, measurement_table, ranking_table, to_stdout
+from viewgain.cli._text import decider_in_words, decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.errors import ConfigError
 from viewgain.inference import VOLUME_MODEL, Ensemble, PoseScorer, find_model, model_name, shipped_models
 from viewgain.measure import POSE_SIGMA, REASONS, fuse, measure
-from viewgain.plan import CovariancePolicy, ExpectedErrorPolicy, NetworkPolicy, Policy, VolumeNetworkAboutBox, next_view
+from viewgain.plan import (
+    AutomaticPolicy,
+    CovariancePolicy,
+    ExpectedErrorPolicy,
+    NetworkPolicy,
+    Policy,
+    VolumeNetworkAboutBox,
+    next_view,
+)
 from viewgain.rigs import rig
 from viewgain.scans import Scan
 
-BY_MODEL: Mapping[str, Callable[[], Policy]] = {
-    "model": lambda: CovariancePolicy(POSE_SIGMA),
-    "expected": ExpectedErrorPolicy,
+UNNAMED: Mapping[str, Callable[[Scan], Policy]] = {
+    "auto": AutomaticPolicy,
+    "model": lambda scan: CovariancePolicy(POSE_SIGMA),
+    "expected": lambda scan: ExpectedErrorPolicy(),
 }
-"""Policies that need no network."""
+"""Policies for which no network can be named."""
 
 
 def run_next(command: Next) -> int:
@@ -48,6 +57,8 @@ def run_next(command: Next) -> int:
         print(f"viewgain: {plan.reason}: {REASONS.get(plan.reason or '', 'no candidate view')}", file=sys.stderr)
         return NOTHING_MEASURED
     to_stdout(ranking_table(plan))
+    if command.deciding.policy == "auto" and not plan.stop:
+        print(decider_in_words(plan))
     print(decision_in_words(plan))
     return 0
 
@@ -55,7 +66,7 @@ def run_next(command: Next) -> int:
 def _policy(command: Next, scan: Scan) -> Policy:
     """Return who decides."""
     deciding = command.deciding
-    if deciding.policy in BY_MODEL:
+    if deciding.policy in UNNAMED:
         if command.objective == "coverage":
             raise ConfigError(
                 f"--objective coverage: got --policy {deciding.policy}, which knows boxes only; add --policy network"
@@ -64,9 +75,9 @@ def _policy(command: Next, scan: Scan) -> Policy:
             raise ConfigError(f"--abstain: got --policy {deciding.policy}, which always chooses; add --policy network")
         if deciding.model:
             raise ConfigError(
-                f"--model: got {deciding.model[0]}, and --policy {deciding.policy} asks no network; add --policy network"
+                f"--model: got {deciding.model[0]}, and --policy {deciding.policy} asks none that is named; add --policy network"
             )
-        return BY_MODEL[deciding.policy]()
+        return UNNAMED[deciding.policy](scan)
     if command.objective != "coverage":
         return _for_volume(command, scan)
     if deciding.policy == "combined":

@@ -5,7 +5,7 @@ from rich.console import Console
 from rich.table import Table
 
 from viewgain.measure import REASONS, BoxEstimate, Measurement
-from viewgain.plan import NextView, directions_in_words
+from viewgain.plan import MODEL, NextView, directions_in_words
 
 NAMES = ("length", "width", "height")
 
@@ -51,6 +51,15 @@ def _add_box(table: Table, index: int, box: BoxEstimate) -> None:
         f"flags: {', '.join(box.flags) or 'none'}",
         end_section=True,
     )
+
+
+def decider_in_words(plan: NextView) -> str:
+    """Return in a sentence who decided where nobody was named, and why."""
+    if plan.policy == MODEL:
+        return "Decided by the model: every dimension is bounded, so the view that leaves the volume most certain wins."
+    if not plan.current.boxes:
+        return "Decided by the network: nothing could be measured, and it has seen what usually stands behind such a scan."
+    return "Decided by model and network together: a dimension is open, so the view that is to err least wins."
 
 
 def ranking_table(plan: NextView) -> Table:

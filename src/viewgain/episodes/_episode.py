@@ -3,6 +3,7 @@
 The camera arrives a little off from where it was sent and does not know it; fusing must live with that.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -96,7 +97,7 @@ def run_episode(
     *,
     rng: np.random.Generator,
     rig: str | Rig = "ring8",
-    policy: ViewPolicy | Policy | None = None,
+    policy: ViewPolicy | Policy | Callable[[Scan], Policy] | None = None,
     tolerance: float = 0.05,
     confidence: float = 0.95,
     max_views: int = 5,
@@ -109,7 +110,8 @@ def run_episode(
         first_view: (4, 4) camera_to_world of the first scan.
         rng: Source of sensor noise and pose errors.
         rig: Where the camera may go, anchored at each present pose.
-        policy: Who decides: any policy, or one about a box; default model-based.
+        policy: Who decides: any policy, one about a box, or what gives one for the last scan (such as ``AutomaticPolicy``);
+            default model-based.
         tolerance: Relative volume error asked for.
         confidence: Probability asked for.
         max_views: Most scans to take, at least 1.
@@ -149,8 +151,10 @@ def run_episode(
         camera = world.arrive(believed, rng)
 
 
-def _about_a_box(policy: ViewPolicy | Policy, scans: list[Scan], sensor: Sensor) -> Policy:
+def _about_a_box(policy: ViewPolicy | Policy | Callable[[Scan], Policy], scans: list[Scan], sensor: Sensor) -> Policy:
     """Return a policy as :func:`viewgain.plan.next_view` asks it."""
+    if isinstance(policy, type) or not isinstance(policy, Policy | ViewPolicy):
+        return policy(scans[-1])
     return policy if isinstance(policy, Policy) else OnScans(policy, tuple(scans), sensor.intrinsics)
 
 

@@ -2,6 +2,7 @@
 
 from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
+from viewgain.plan._automatic import AutomaticPolicy as AutomaticPolicy
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Certainty as Certainty
 from viewgain.plan._belief import Outlook as Outlook
@@ -26,6 +27,7 @@ from viewgain.plan._next import Candidate as Candidate
 from viewgain.plan._next import NextView as NextView
 from viewgain.plan._next import believe as believe
 from viewgain.plan._next import next_view as next_view
+from viewgain.plan._policy import MODEL as MODEL
 from viewgain.plan._policy import Assessment as Assessment
 from viewgain.plan._policy import CovariancePolicy as CovariancePolicy
 from viewgain.plan._policy import Policy as Policy

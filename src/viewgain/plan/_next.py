@@ -11,7 +11,7 @@ from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
 from viewgain.plan._belief import Belief, belief_from, belief_from_blob, certainty, floor_pose
 from viewgain.plan._doubt import Hesitant
-from viewgain.plan._policy import Assessment, CovariancePolicy, Policy
+from viewgain.plan._policy import Assessment, CovariancePolicy, Delegating, Policy
 from viewgain.plan._predict import MIN_FACE_PIXELS, predict
 from viewgain.rigs import Rig, Station, Target, place, refusals
 from viewgain.rigs import rig as find_rig
@@ -179,6 +179,8 @@ def next_view(
             nothing,
             objective,
         )
+    if isinstance(decider, Delegating):
+        decider = decider.deciding(believed)
     back = _step_back(believed)
     poses = place(stations, _target(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
     assessments = decider.assess(believed, poses, tolerance)

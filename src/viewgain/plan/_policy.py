@@ -27,6 +27,10 @@ class Assessment:
     """Standard deviation of the score, where the policy gives one."""
 
 
+MODEL = "model"
+"""Name of :class:`CovariancePolicy`, whose scores are shares of a standard deviation."""
+
+
 @runtime_checkable
 class Policy(Protocol):
     """Scores candidate poses from what is believed about a box; knows nothing of the truth.
@@ -50,6 +54,15 @@ class Policy(Protocol):
         ...
 
 
+@runtime_checkable
+class Delegating(Protocol):
+    """A policy that leaves the decision to another one, by what is believed."""
+
+    def deciding(self, belief: Belief) -> Policy:
+        """Return who decides."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class CovariancePolicy:
     """The model-based policy: propagate the covariance through each candidate's expected measurement.
@@ -60,7 +73,7 @@ class CovariancePolicy:
 
     pose_sigma: tuple[float, float]
     """Standard deviation of a camera pose, metres and radians per axis."""
-    name: str = "model"
+    name: str = MODEL
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return the expected outlook after each candidate."""

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter
 
 from viewgain.arrays import Points, Points2, Pose, Vector3
 from viewgain.geometry import transform
-from viewgain.plan import NextView
+from viewgain.plan import MODEL, NextView
 from viewgain.report._colours import FAINT, INK, NORMAL, ON_FLOOR, SMALL
 from viewgain.report._style import colour_bar, dots, halo, percent, score_colours
 from viewgain.report._viewpoint import Viewpoint
@@ -80,7 +80,7 @@ def draw_candidates(figure: Figure, stage: Stage, plan: NextView, camera_to_worl
             name = f"{candidate.index}: next" if chosen else str(candidate.index)
             labels.append(Label(middle, name, chosen, 25.0 if chosen else 15.0))
     if any(candidate.reachable for candidate in plan.candidates):
-        shares = all(candidate.assessment.outlook is not None for candidate in plan.candidates)
+        shares = plan.policy == MODEL
         text = SCORE if shares else f"score given by the\npolicy “{plan.policy}”"
         colour_bar(
             figure,

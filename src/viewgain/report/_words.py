@@ -2,7 +2,7 @@
 
 from viewgain.episodes import Episode
 from viewgain.measure import REASONS, BoxEstimate, Measurement
-from viewgain.plan import Candidate, NextView, directions_in_words
+from viewgain.plan import MODEL, Candidate, NextView, directions_in_words
 from viewgain.report._truth import Compared
 from viewgain.report._units import MILLIMETRES, Unit, percent, probability
 
@@ -90,7 +90,7 @@ def decision_sentence(plan: NextView, volume: Unit, *, moved: bool) -> str:
     best = plan.candidates[plan.best]
     verb = "wins" if moved else "would be next"
     way = f"Candidate {best.index} {verb} ({move_in_words(plan, best)})"
-    if best.assessment.outlook is None:
+    if plan.policy != MODEL:
         return f"{way}: the policy “{plan.policy}” gave it the highest score."
     return f"{way}: {_gain(best, volume)}{_contest(plan, best)}."
 
