@@ -35,6 +35,8 @@ from viewgain.scans import Scan
 if TYPE_CHECKING:
     from viewgain.measure._range_image import RangeImage
 
+IN_A_ROW = 4
+"""Entries of the legend side by side: more do not fit beside each other."""
 MARGIN = 0.12
 """Share of the image that is shown beyond its border where a box goes on there."""
 _NEAR = 0.05
@@ -69,7 +71,7 @@ def range_figure(
         for edge in edges(truth, facing_camera(truth)):
             _draw_line(axes, image, edge.ends, **true_line(), zorder=4)
     handles = _keys(measurement, with_truth=truth is not None)
-    rows = legend_below(figure, handles, len(handles))
+    rows = legend_below(figure, handles, min(len(handles), IN_A_ROW))
     _show_all(axes, image, [reported_box(estimate) for estimate in measurement.boxes])
     fit_height(figure, axes, legend_rows=rows, details=len(details))
     return figure
