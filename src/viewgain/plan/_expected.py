@@ -3,7 +3,7 @@
 The predicted covariance says how far off a measurement will be; what a measurement needs (bounded dimensions, enough returns)
 says whether there will be one. Where there is none the error is 1. This physical guess is then moved by what was learned from
 real runs. About two milliseconds, where a simulated scan and its measurement take a hundred. How well it agrees with the real
-estimator, with and without the learned part: ``python -m benchmarks surrogate``.
+estimator: ``python -m benchmarks error-model`` (with and without the learned part) and ``surrogate`` (on boxes of other seeds).
 """
 
 from dataclasses import dataclass, replace
