@@ -38,7 +38,7 @@ def test_gradients_of_two_processes_are_those_of_one(loss: tuple[str, str], data
     one = gradients(1, data.folder, tmp_path / "one", *loss)
     two = gradients(2, data.folder, tmp_path / "two", *loss)
     assert one.keys() == two.keys()
-    for name, wanted in one.items():
-        size = max(1.0, float(wanted.abs().max()))
-        torch.testing.assert_close(two[name], wanted, rtol=0, atol=1e-6 * size, msg=name)
-    assert max(float(each.abs().max()) for each in one.values()) > 1e-2
+    largest = max(float(each.abs().max()) for each in one.values())
+    assert largest > 1e-2
+    for name, wanted in one.items():  # a small gradient is a sum of large terms that cancel, and is rounded as those are
+        torch.testing.assert_close(two[name], wanted, rtol=0, atol=1e-6 * max(1.0, largest), msg=name)
