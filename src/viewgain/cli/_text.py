@@ -70,7 +70,7 @@ def ranking_table(plan: NextView) -> Table:
         "how to get there",
         "would see (incidence)",
         "sigma of volume",
-        f"P(error < {plan.tolerance:.0%})",
+        f"P(error < {100 * plan.tolerance:.3g}%)",
         "score",
     ):
         table.add_column(column, justify="right" if column.startswith(("sigma", "P(", "score")) else "left")
@@ -96,7 +96,7 @@ def plan_words(plan: NextView, index: int) -> str:
 
 def decision_in_words(plan: NextView) -> str:
     """Return the decision as one or two sentences."""
-    chance = f"P(volume error < {plan.tolerance:.0%}) is {plan.within_tolerance or 0:.3f}"
+    chance = f"P(volume error < {100 * plan.tolerance:.3g}%) is {plan.within_tolerance or 0:.3f}"
     if plan.stop:
         return f"Stop: {chance}, over the {plan.confidence:.2f} asked for."
     if plan.abstention is not None:
