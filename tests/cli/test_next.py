@@ -2,12 +2,14 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from viewgain.camera import sensor
 from viewgain.cli import main
+from viewgain.cli._text import decider_in_words
 from viewgain.scans import write_scan
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
@@ -139,6 +141,24 @@ def test_who_decides_by_itself_depends_on_what_is_known_and_is_said(tmp_path: Pa
         assert ("Decided by model and network together" in words) == (decides == "combined")
         assert main(["next", *arguments, "--policy", decides]) == 0
         assert "Decided by" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("policy", "boxes", "rejected", "words"),
+    [
+        ("model", ("box",), (), "every dimension is bounded"),
+        ("combined", ("box",), (), "model and network together"),
+        ("combined", (), ("fitted",), "model and network together"),
+        ("combined", (), (None,), "by the network: nothing could be measured"),
+    ],
+)
+def test_the_words_name_those_who_had_a_say(
+    policy: str, boxes: tuple[str, ...], rejected: tuple[str | None, ...], words: str
+) -> None:
+    """A rejected object that a box was fitted to is planned for with that box: then the model has its half."""
+    blobs = tuple(SimpleNamespace(estimate=each) for each in rejected)
+    plan = SimpleNamespace(policy=policy, current=SimpleNamespace(boxes=boxes, rejected=blobs))
+    assert words in decider_in_words(plan)  # type: ignore[arg-type]
 
 
 def test_best_is_the_top_of_the_reachable_scores_up_to_a_tie(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -24,7 +24,7 @@ from viewgain.plan import (
 from viewgain.rigs import rig
 from viewgain.scans import Scan
 
-UNNAMED: Mapping[str, Callable[[Scan], Policy]] = {
+WITHOUT_FILE: Mapping[str, Callable[[Scan], Policy]] = {
     "auto": AutomaticPolicy,
     "model": lambda scan: CovariancePolicy(POSE_SIGMA),
     "expected": lambda scan: ExpectedErrorPolicy(),
@@ -66,7 +66,7 @@ def run_next(command: Next) -> int:
 def _policy(command: Next, scan: Scan) -> Policy:
     """Return who decides."""
     deciding = command.deciding
-    if deciding.policy in UNNAMED:
+    if deciding.policy in WITHOUT_FILE:
         if command.objective == "coverage":
             raise ConfigError(
                 f"--objective coverage: got --policy {deciding.policy}, which knows boxes only; add --policy network"
@@ -77,7 +77,7 @@ def _policy(command: Next, scan: Scan) -> Policy:
             raise ConfigError(
                 f"--model: got {deciding.model[0]}, and --policy {deciding.policy} asks none that is named; add --policy network"
             )
-        return UNNAMED[deciding.policy](scan)
+        return WITHOUT_FILE[deciding.policy](scan)
     if command.objective != "coverage":
         return _for_volume(command, scan)
     if deciding.policy == "combined":
