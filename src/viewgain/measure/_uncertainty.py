@@ -19,6 +19,9 @@ OPEN_SHARE = 0.15
 OPEN_TEMPER = 0.2
 """Share of its log likelihood that an open dimension's profile is believed: it rests on missing returns, whose chances a sensor
 model knows only roughly."""
+FAR_SHARE = 0.1
+"""Whether a cut box's extent is bounded is asked at least this share of it further out. Nearer than that the likelihood is a
+staircase of pixels: a fit that rests on one of its steps has higher ones beside it, and they tell nothing about the far side."""
 _TRIED = 12
 """Lengths at which the profile of an open dimension is fitted."""
 SYSTEMATIC = 5
@@ -182,9 +185,10 @@ def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, shown:
 
 
 def _is_flat_beyond(axis: int, fit: Fit, known: Knowledge) -> bool:
-    """Return whether the likelihood, four sigma further out, falls by under a quarter of what a Gaussian would."""
+    """Return whether the likelihood, four sigma or a tenth further out, falls by under a quarter of what a Gaussian would."""
+    value = float(fit.box.extents[axis])
     sigma = float(np.sqrt(np.linalg.inv(known.information + LOOSE_PRIOR)[6 + axis, 6 + axis]))
-    further = profile(fit, axis, np.array([fit.box.extents[axis] + 4 * sigma]), SHARP[0])
+    further = profile(fit, axis, np.array([value + max(4 * sigma, FAR_SHARE * value)]), SHARP[0])
     return fit.value - further[0].value < 2.0
 
 
