@@ -1,9 +1,14 @@
 """Two more loops for numba, over all views at once: which marks are near each point, and which of them reach each sample."""
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Ids, Points
+
+ROWS = np.array(sorted(product(range(-2, 3), repeat=2), key=lambda row: row[0] ** 2 + row[1] ** 2), dtype=np.int32)
+"""(25, 2) steps in y and z to the rows of cubes around a cube, the nearest first."""
 
 
 def find_marks(
@@ -16,14 +21,17 @@ def find_marks(
     for all of them, and one that is not near the box is left out. No margin is needed: rounding keeps the order of differences,
     squares and sums, so no point of the box is farther than its farthest corner, to the last bit. The rest is tried in pairs.
     """
-    near, present = np.zeros(len(points), np.uint64), np.zeros(len(starts) - 1, np.uint64)
-    most = 0
+    near, most = np.zeros(len(points), np.uint64), 0
+    present, in_row = np.zeros(len(starts) - 1, np.uint64), np.zeros(len(starts) - 1, np.uint64)
     for cube in range(len(present)):
         most = max(most, starts[cube + 1] - starts[cube])
         for k in range(starts[cube], starts[cube + 1]):
             present[cube] |= marks[k]
-    around, held = np.empty(125, np.int64), np.empty(most, np.uint64)
-    doubtful = np.empty(len(points), np.int32)
+        if present[cube]:
+            x = cube % shape[0]
+            for other in range(cube - min(x, 2), cube + min(shape[0] - x, 3)):
+                in_row[other] |= present[cube]
+    held, doubtful = np.empty(most, np.uint64), np.empty(len(points), np.int32)
     for cube in range(len(present)):
         begin, end = starts[cube], starts[cube + 1]
         if begin == end:
@@ -37,36 +45,29 @@ def find_marks(
         dx, dy, dz = right - left, high - low, back - front
         sure = present[cube] if dx * dx + dy * dy + dz * dz < squared else present[cube] & np.uint64(0)
 
-        # Of the cubes around, the middle row first: those that hold marks which are not sure yet.
-        x, y, z = cube % shape[0], cube // shape[0] % shape[1], cube // (shape[0] * shape[1])
-        open_marks, cubes = np.uint64(0), 0
-        for n in range(25):
-            b, c = y + (n + 2) % 5 - 2, z + (n // 5 + 2) % 5 - 2
-            if 0 <= b < shape[1] and 0 <= c < shape[2]:
-                row = (c * shape[1] + b) * shape[0]
-                for other in range(row + max(x - 2, 0), row + min(x + 3, shape[0])):
-                    if present[other] & ~sure:
-                        open_marks |= present[other] & ~sure
-                        around[cubes] = other
-                        cubes += 1
-
-        count = 0
-        for n in range(cubes):
-            if not present[around[n]] & open_marks:
+        x, y, z, count = cube % shape[0], cube // shape[0] % shape[1], cube // (shape[0] * shape[1]), 0
+        for n in range(len(ROWS)):
+            b, c = y + ROWS[n, 0], z + ROWS[n, 1]
+            if not (0 <= b < shape[1] and 0 <= c < shape[2]):
                 continue
-            for k in range(starts[around[n]], starts[around[n] + 1]):
-                if not marks[k] & open_marks:
+            row = (c * shape[1] + b) * shape[0]
+            if not in_row[row + x] & ~sure:
+                continue
+            for other in range(row + max(x - 2, 0), row + min(x + 3, shape[0])):
+                if not present[other] & ~sure:
                     continue
-                u, v, w = points[k, 0], points[k, 1], points[k, 2]
-                dx, dy, dz = max(u - left, right - u), max(v - low, high - v), max(w - front, back - w)
-                if dx * dx + dy * dy + dz * dz < squared:
-                    sure |= marks[k]
-                    open_marks &= ~marks[k]
-                    continue
-                dx, dy, dz = max(left - u, 0.0, u - right), max(low - v, 0.0, v - high), max(front - w, 0.0, w - back)
-                if dx * dx + dy * dy + dz * dz < squared:
-                    doubtful[count] = k
-                    count += 1
+                for k in range(starts[other], starts[other + 1]):
+                    if not marks[k] & ~sure:
+                        continue
+                    u, v, w = points[k, 0], points[k, 1], points[k, 2]
+                    dx, dy, dz = max(u - left, right - u), max(v - low, high - v), max(w - front, back - w)
+                    if dx * dx + dy * dy + dz * dz < squared:
+                        sure |= marks[k]
+                        continue
+                    dx, dy, dz = max(left - u, 0.0, u - right), max(low - v, 0.0, v - high), max(front - w, 0.0, w - back)
+                    if dx * dx + dy * dy + dz * dz < squared:
+                        doubtful[count] = k
+                        count += 1
 
         held[: end - begin] = sure
         for n in range(count):
