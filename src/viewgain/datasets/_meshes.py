@@ -16,7 +16,7 @@ from viewgain.datasets._settings import MeshSettings, Recipe
 from viewgain.datasets._station import Setup, noisy_camera, only_first, seen_from
 from viewgain.datasets._unit import Made, Skipped, Unit
 from viewgain.errors import ConfigError, ScanError
-from viewgain.gain import CoverageLabels, cover, labels_from, surface_samples
+from viewgain.gain import Cover, CoverageLabels, cover, greedy_labels, surface_samples
 from viewgain.geometry import inverse, pose, rotation_from_rotvec, transform
 from viewgain.rays import SceneCaster, as_rows, pixel_rays
 from viewgain.rigs import Target, irregular_rig
@@ -64,8 +64,7 @@ class MeshMaker:
         clouds = [_exact(alone, _fine(camera.intrinsics), station) for station in setup.stations()]
         surface = surface_samples(mesh, rules.surface_points, rng=generator(self._recipe.seed, (unit.object, SURFACE, 0, 0)))
         covered = cover(clouds, surface, rules.reach * size)
-        labels = labels_from(covered, range(len(clouds)), steps=1)
-        results = [self._sample(unit, setup, each) for each in labels]
+        results = [self._sample(unit, setup, covered, view) for view in range(len(clouds))]
         return Made(
             samples=tuple(result for result in results if isinstance(result, Sample)),
             skipped=tuple(result for result in results if isinstance(result, Skipped)),
@@ -76,9 +75,8 @@ class MeshMaker:
         """Refuse: these are no scans of boxes."""
         raise ConfigError(f"recipe {self._recipe.name}: volume errors are of boxes, and this recipe has none")
 
-    def _sample(self, unit: Unit, setup: Setup, labels: CoverageLabels) -> Sample | Skipped:
+    def _sample(self, unit: Unit, setup: Setup, covered: Cover, view: int) -> Sample | Skipped:
         """Return the noisy scan from one station, with what every station would add to what this one covers exactly."""
-        view = labels.first
         key = (unit.object, SCAN, view, 0)
         rng = generator(self._recipe.seed, key)
         stations, present = setup.stations(), setup.stations(rng)[view]
@@ -89,6 +87,7 @@ class MeshMaker:
             reason = f"fewer than {MIN_POINTS} returns"
         if reason is not None or scan is None:
             return Skipped(unit=unit.number, name=f"{unit.name}/view{view:02d}", reason=reason or "no scan")
+        labels = greedy_labels(covered, first=view, steps=1)
         sample = Sample(
             points=kept(scan.points, self._recipe.points, rng=rng),
             frame="camera",
