@@ -24,7 +24,7 @@ from viewgain.gain._protocol import CoverageProtocol
 
 Rule: TypeAlias = Literal["published", "union"]
 """By which gain the next view is chosen."""
-TOGETHER = 3
+TOGETHER = 4
 """First views from which on one pass over all points is faster than one for each."""
 
 
