@@ -1,11 +1,14 @@
 """Coverage: every fast path gives what counting distance by distance gives, to the last bit."""
 
 import sys
+from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.oracles.coverage import covered_by, near, walk
@@ -15,13 +18,16 @@ from viewgain.gain import (
     PAPER,
     PCNBV,
     Cover,
+    CoverageLabels,
     CoverageProtocol,
+    Rule,
     Search,
     cover,
     coverage_auc,
     coverage_labels,
     greedy_labels,
     greedy_union,
+    labels_from,
     model_clouds,
     normalised,
     packed,
@@ -29,11 +35,12 @@ from viewgain.gain import (
     surface_samples,
     unpacked,
 )
-from viewgain.gain._near import near_any, near_pairs
+from viewgain.gain._near import near_any, near_marks, near_pairs
 from viewgain.meshes import MeshFolder
 
 SEEDS = st.integers(0, 2**32 - 1)
 SEARCHES: list[Search] = ["numba", "scipy"]
+Problem: TypeAlias = Callable[[int, int], tuple[list[np.ndarray], np.ndarray, float]]
 SMALL = CoverageProtocol(name="small", rig="pcnbv16", steps=3, surface_points=400, reach=0.05, width=64, height=48, focal=47.6)
 
 
@@ -92,6 +99,72 @@ def test_labels_are_those_of_the_accumulated_cloud(search: Search, rule: str, se
     assert labels.gains_union.tolist() == twin.gains_union
     np.testing.assert_allclose(labels.coverage_published, twin.coverage_published, rtol=1e-14)  # a sum of shares, a share of sums
     assert labels.coverage_union.tolist() == twin.coverage_union
+
+
+def dense(seed: int, views: int) -> tuple[list[np.ndarray], np.ndarray, float]:
+    """Return views of a wavy sheet, each of a part of it: here whole cubes of points are settled at once."""
+    rng = np.random.default_rng(seed)
+    sheet = rng.random((300, 3)) * [1.0, 1.0, 0.0]
+    sheet[:, 2] = 0.1 * np.sin(7 * sheet[:, 0])
+    clouds = [sheet[sheet @ rng.normal(size=3) > rng.normal(0, 0.5)] + rng.normal(0, 0.002, 3) for _ in range(views)]
+    return clouds, sheet[:90], float(rng.uniform(0.02, 0.3))
+
+
+def same_labels(together: CoverageLabels, alone: CoverageLabels) -> None:
+    for field in fields(CoverageLabels):
+        one, other = np.asarray(getattr(together, field.name)), np.asarray(getattr(alone, field.name))
+        assert one.dtype == other.dtype
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+@pytest.mark.parametrize("make", [problem, dense])
+@given(seed=SEEDS, views=st.sampled_from([4, 5, 16, 33, 64]), steps=st.sampled_from([1, 1, 2]))
+@settings(max_examples=15)
+def test_labels_of_many_starts_are_those_of_each(search: Search, make: Problem, seed: int, views: int, steps: int) -> None:
+    clouds, surface, reach = make(seed, views)
+    covered = cover(clouds, surface, reach, search=search)
+    starts = np.random.default_rng(seed).permutation(views)[: max(4, views // 2)].tolist()
+    rule: Rule = "union" if seed % 3 == 0 else "published"
+    for together in labels_from(covered, starts, steps=steps, rule=rule):
+        same_labels(together, greedy_labels(covered, first=together.first, steps=steps, rule=rule))
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+@pytest.mark.parametrize(
+    "clouds",
+    [
+        [np.zeros((0, 3))] * 5,
+        [np.zeros((0, 3)), np.zeros((1, 3)), *[np.zeros((0, 3))] * 2],
+        [np.zeros((7, 3))] * 33,
+        [np.full((2, 3), 0.1 * view) for view in range(65)],
+        [lattice(np.random.default_rng(1), 40)] * 64,
+        [np.array([[x, y, y]]) for x, y in ((0.0, 0.0), (0.05, 0.0), (1e6, 0.0), (1e6, 0.05))],  # the cubes grow
+    ],
+    ids=["nothing", "one point", "duplicates", "more views than bits", "equal views", "far apart"],
+)
+def test_labels_of_many_starts_at_the_edges(search: Search, clouds: list[np.ndarray]) -> None:
+    covered = cover(clouds, lattice(np.random.default_rng(0), 30), 0.1, search=search)
+    labels = labels_from(covered, range(covered.views), steps=1)
+    assert [each.first for each in labels] == list(range(covered.views))
+    for each in labels:
+        same_labels(each, greedy_labels(covered, first=each.first, steps=1))
+
+
+def test_labels_of_no_start_are_none() -> None:
+    assert labels_from(bad_cover(), [], steps=1) == ()
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+@given(seed=SEEDS)
+def test_near_marks_are_those_of_the_whole_table(search: Search, seed: int) -> None:
+    clouds, _, reach = problem(seed)
+    points, marks = (
+        np.concatenate(clouds),
+        np.repeat(np.uint64(1) << np.arange(4, dtype=np.uint64), [len(each) for each in clouds]),
+    )
+    wanted = [int(np.bitwise_or.reduce(marks[row])) for row in near(points, points, reach)]
+    assert near_marks(points, marks, reach, search=search).tolist() == wanted
 
 
 @given(seed=SEEDS)
@@ -259,9 +332,12 @@ def test_nonsense_is_refused(changes: dict[str, object], kind: type[Exception]) 
 
 def test_starts_and_rules_are_checked() -> None:
     covered = bad_cover()
-    for settings in ({"first": 1, "steps": 1}, {"first": 0, "steps": 0}, {"first": 0, "steps": 1, "rule": "best"}):
+    for request in ({"first": 1, "steps": 1}, {"first": 0, "steps": 0}, {"first": 0, "steps": 1, "rule": "best"}):
         with pytest.raises(ConfigError, match="wanted"):
-            greedy_labels(covered, **settings)  # type: ignore[arg-type]
+            greedy_labels(covered, **request)  # type: ignore[arg-type]
+    for starts, steps, rule in (([0, 1, 0, 0], 1, "published"), ([0] * 4, 0, "published"), ([0] * 4, 1, "best")):
+        with pytest.raises(ConfigError, match="wanted"):
+            labels_from(covered, starts, steps=steps, rule=rule)  # type: ignore[arg-type]
     with pytest.raises(ConfigError, match="wanted"):
         coverage_auc(np.zeros(0))
     with pytest.raises(ConfigError, match="steps"):

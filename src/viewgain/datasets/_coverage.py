@@ -18,7 +18,7 @@ from viewgain.datasets._settings import CoverageSettings, Recipe
 from viewgain.datasets._station import seen_from
 from viewgain.datasets._unit import Made, Masks, Skipped, Unit
 from viewgain.errors import ConfigError
-from viewgain.gain import COVERAGE_PROTOCOLS, Cover, CoverageLabels, cover, greedy_labels, model_clouds, surface_samples
+from viewgain.gain import COVERAGE_PROTOCOLS, Cover, CoverageLabels, cover, labels_from, model_clouds, surface_samples
 from viewgain.geometry import inverse
 from viewgain.rigs import Target, poses, rig
 from viewgain.scans import Scan
@@ -69,9 +69,10 @@ class CoverageMaker:
         covered = cover(clouds, surface, self._protocol.reach)
         samples: list[Sample] = []
         skipped: list[Skipped] = []
-        for first in self._starts(unit):
+        starts = self._starts(unit)
+        for first, labels in zip(starts, labels_from(covered, starts, steps=self._protocol.steps), strict=True):
             if len(clouds[first]):
-                samples += self._episode(unit, clouds, covered, first)
+                samples += self._episode(unit, clouds, labels)
             else:
                 skipped.append(Skipped(unit=unit.number, name=f"{unit.name}/start{first:02d}", reason=NOTHING_SEEN))
         return Made(samples=tuple(samples), skipped=tuple(skipped), masks=masks_of(unit, covered) if self._content.masks else {})
@@ -86,9 +87,9 @@ class CoverageMaker:
         rng = generator(self._recipe.seed, (unit.object, START, 0, 0))
         return [int(view) for view in rng.permutation(len(self._views))[: self._content.starts]]
 
-    def _episode(self, unit: Unit, clouds: list[Points], covered: Cover, first: int) -> Iterator[Sample]:
+    def _episode(self, unit: Unit, clouds: list[Points], labels: CoverageLabels) -> Iterator[Sample]:
         """Yield what is known and what each view would add, before each step of the greedy sequence from one start."""
-        labels = greedy_labels(covered, first=first, steps=self._protocol.steps)
+        first = labels.first
         state = np.zeros(len(self._views), dtype=bool)
         visited = [first, *labels.order.tolist()]
         seen: list[Points] = []

@@ -20,6 +20,7 @@ from viewgain.gain._coverage import Rule as Rule
 from viewgain.gain._coverage import coverage_auc as coverage_auc
 from viewgain.gain._coverage import coverage_labels as coverage_labels
 from viewgain.gain._coverage import greedy_labels as greedy_labels
+from viewgain.gain._coverage import labels_from as labels_from
 from viewgain.gain._coverage_objective import CoverageGain as CoverageGain
 from viewgain.gain._coverage_objective import TakenViews as TakenViews
 from viewgain.gain._estimators import ESTIMATORS as ESTIMATORS

@@ -16,6 +16,7 @@ from viewgain.arrays import Array, Indices, Points
 from viewgain.errors import ConfigError
 from viewgain.gain._bits import Counts, size
 from viewgain.gain._cover import Cover, cover
+from viewgain.gain._first_step import MOST_VIEWS, first_gains
 from viewgain.gain._greedy import require_start
 from viewgain.gain._near import near_any
 from viewgain.gain._pairs import tally
@@ -23,6 +24,8 @@ from viewgain.gain._protocol import CoverageProtocol
 
 Rule: TypeAlias = Literal["published", "union"]
 """By which gain the next view is chosen."""
+TOGETHER = 4
+"""First views from which on one pass over all points is faster than one for each."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,8 +92,7 @@ def greedy_labels(covered: Cover, *, first: int, steps: int, rule: Rule = "publi
         they accumulate the origin, which adds nothing either.)
     """
     require_start(first, steps, covered.views)
-    if rule not in ("published", "union"):
-        raise ConfigError(f"coverage rule: got {rule!r}, wanted 'published' or 'union'")
+    _require_rule(rule)
     fresh, known = NewPoints(covered), np.zeros_like(covered.masks[first])
     order, published, union = [first], [fresh.gains], [size(covered.masks)]
     for _ in range(steps):
@@ -99,11 +101,46 @@ def greedy_labels(covered: Cover, *, first: int, steps: int, rule: Rule = "publi
         published.append(fresh.gains)
         union.append(size(covered.masks & ~known))
         order.append(int(np.argmax(published[-1] if rule == "published" else union[-1])))
-    # Row k of either: what each view adds to the k views before it. Counted in samples, so that sums are exact.
-    gains = np.array([published, union])
+    return _labels(covered, order, published, union)
+
+
+def labels_from(covered: Cover, starts: Sequence[int], *, steps: int, rule: Rule = "published") -> tuple[CoverageLabels, ...]:
+    """Return the labels from each of several first views: what :func:`greedy_labels` returns, to the last bit; raises as it does.
+
+    One step from many first views is worked out from one pass over the points, several times as fast as one by one.
+
+    Args:
+        covered: What the views cover.
+        starts: The first views.
+        steps: How many views follow each, >= 1.
+        rule: By which gain the next view is chosen.
+    """
+    if steps != 1 or len(starts) < TOGETHER or covered.views > MOST_VIEWS:
+        return tuple(greedy_labels(covered, first=first, steps=steps, rule=rule) for first in starts)
+    for first in starts:
+        require_start(first, steps, covered.views)
+    _require_rule(rule)
+    alone, gains, masks = NewPoints(covered).gains, first_gains(covered), covered.masks
+    labels = []
+    for first in starts:
+        published, union = [alone, gains[first]], [size(masks), size(masks & ~masks[first])]
+        order = [first, int(np.argmax(published[-1] if rule == "published" else union[-1]))]
+        labels.append(_labels(covered, order, published, union))
+    return tuple(labels)
+
+
+def _labels(covered: Cover, order: list[int], published: list[Counts], union: list[Counts]) -> CoverageLabels:
+    """Return labels from counted gains: row k of either is what each view adds to the k views before it, in samples."""
+    gains = np.array([published, union])  # counted in samples, so that sums are exact
+    steps = len(order) - 1
     coverage = np.cumsum(gains[:, np.arange(steps + 1), order], axis=1) / covered.surface_count
     shares = gains[:, 1:] / covered.surface_count
-    return CoverageLabels(first, np.array(order[1:], dtype=np.intp), shares[0], shares[1], coverage[0], coverage[1])
+    return CoverageLabels(order[0], np.array(order[1:], dtype=np.intp), shares[0], shares[1], coverage[0], coverage[1])
+
+
+def _require_rule(rule: Rule) -> None:
+    if rule not in ("published", "union"):
+        raise ConfigError(f"coverage rule: got {rule!r}, wanted 'published' or 'union'")
 
 
 def coverage_labels(

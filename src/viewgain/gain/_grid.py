@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from viewgain.arrays import Ids, Mask, Points, Vector
 from viewgain.compiled import compiled
-from viewgain.gain._kernels import mark_around, sort_into_cubes
+from viewgain.gain._kernels import find_corners, mark_around, sort_into_cubes
 from viewgain.gain._search import SEARCHING
 
 MOST_CELLS = 1 << 22
@@ -44,14 +44,14 @@ def gridded(points: Points, reach: float) -> Grid:
     Raises:
         MissingExtraError: If numba is not installed.
     """
-    low = points.min(axis=0)
-    extents = points.max(axis=0) - low
+    low, high = compiled(find_corners, SEARCHING)(points)
+    extents = high - low
     side = reach * (1 + SLACK)
     while np.prod(np.floor(extents / side) + 1) > MOST_CELLS:
         side *= 2
     shape = (np.floor(extents / side) + 1).astype(np.int32)
     starts, order = compiled(sort_into_cubes, SEARCHING)(points, low, side, shape)
-    return Grid(low, side, shape, starts, points[order], order)
+    return Grid(low, side, shape, starts, points.take(order, axis=0), order)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,10 +73,11 @@ def surroundings(points: Points, reach: float) -> Surroundings:
     than it. Where there would be too many cubes they grow, and none says 2.
     """
     side = reach * (1 - SLACK) / np.sqrt(3)
-    extents = np.ptp(points, axis=0)
+    lowest, highest = compiled(find_corners, SEARCHING)(points)
+    extents = highest - lowest
     while np.prod(np.floor(extents / side) + 6) > MOST_CELLS:
         side *= 2
-    low = points.min(axis=0) - 2 * side
+    low = lowest - 2 * side
     status = np.zeros((np.floor(extents / side)[::-1] + 6).astype(int), dtype=np.uint8)
     compiled(mark_around, SEARCHING)(points, low, side, 2 if side < reach / np.sqrt(3) else 1, status)
     return Surroundings(low, side, status)

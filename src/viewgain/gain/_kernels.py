@@ -6,6 +6,15 @@ from numpy.typing import NDArray
 from viewgain.arrays import Ids, Indices, Mask, Points, Vector
 
 
+def find_corners(points: Points) -> tuple[Vector, Vector]:
+    """Return the lowest and the highest corner of the box around (m, 3) points, m >= 1."""
+    low, high = points[0].copy(), points[0].copy()
+    for i in range(1, len(points)):
+        for axis in range(3):
+            low[axis], high[axis] = min(low[axis], points[i, axis]), max(high[axis], points[i, axis])
+    return low, high
+
+
 def sort_into_cubes(points: Points, low: Vector, side: float, shape: Ids) -> tuple[Ids, Ids]:
     """Return where each cube's points start, and the (m,) points in order of their cubes: :class:`viewgain.gain._grid.Grid`."""
     starts = np.zeros(shape[0] * shape[1] * shape[2] + 1, np.int32)

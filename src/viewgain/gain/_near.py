@@ -3,12 +3,14 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from viewgain.arrays import Indices, Mask, Points
 from viewgain.compiled import compiled
 from viewgain.gain._grid import Grid, are_near, gridded, surroundings
 from viewgain.gain._kernels import find_pairs, find_touched
+from viewgain.gain._mark_kernels import find_marks
 from viewgain.gain._pairs import Pairs
 from viewgain.gain._search import SEARCHING, Search, uses_numba
 
@@ -39,6 +41,25 @@ def near_any(points: Points, chosen: Indices, others: Points, reach: float, *, s
         known = around.low, around.side, around.status
         return np.asarray(compiled(find_touched, SEARCHING)(points, chosen, *_parts(grid), reach * reach, *known))
     return _any_by_tree(points[chosen], others, reach)
+
+
+def near_marks(points: Points, marks: NDArray[np.uint64], reach: float, *, search: Search = "auto") -> NDArray[np.uint64]:
+    """Return the (n,) union of the ``marks`` of all that are near each of (n, 3) ``points``; raises as above.
+
+    Args:
+        points: All points, finite; n may be 0. A point is near itself.
+        marks: (n,) each point's mark: one bit, the same for all points of one view.
+        reach: How near is near.
+        search: How near points are found.
+    """
+    if uses_numba(search) and len(points):
+        grid = gridded(points, reach / np.sqrt(3))  # mostly, two points in one cube are near
+        parts = grid.shape, grid.starts, grid.points, grid.ids, marks[grid.ids], reach * reach
+        return np.asarray(compiled(find_marks, SEARCHING)(*parts))
+    near, everyone = np.zeros(len(points), np.uint64), np.arange(len(points))
+    for mark in np.unique(marks):
+        near[near_any(points, everyone, points[marks == mark], reach, search=search)] |= mark
+    return near
 
 
 def _pairs_by_tree(points: Points, others: Points, reach: float) -> Pairs:

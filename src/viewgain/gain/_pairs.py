@@ -1,4 +1,4 @@
-"""Pairs of near points as lists of neighbours, and counting them per view and neighbour."""
+"""Pairs of near points as lists of neighbours, and what they add up to per view and neighbour."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from viewgain.arrays import Ids, Indices
 from viewgain.compiled import compiled
 from viewgain.gain._kernels import add_pairs
+from viewgain.gain._mark_kernels import join_pairs
 from viewgain.gain._search import SEARCHING, Search, uses_numba
 
 Starts: TypeAlias = NDArray[np.int64]
@@ -50,3 +51,24 @@ def tally(counts: Tally, pairs: Pairs, points: Indices, views: Ids, sign: int, *
     rows = np.repeat(views[points].astype(np.int64), np.diff(pairs.starts)[points])
     slots = rows * counts.shape[1] + pairs.of(points)
     counts += sign * np.bincount(slots, minlength=counts.size).astype(np.int32).reshape(counts.shape)
+
+
+def join(
+    pairs: Pairs, sets: NDArray[np.uint64], views: Ids, shape: tuple[int, int], *, search: Search = "auto"
+) -> NDArray[np.uint64]:
+    """Return for each view and neighbour the union of the sets of the view's points that are near it.
+
+    Args:
+        pairs: The neighbours of all n points.
+        sets: (n,) a set of bits of each point.
+        views: (n,) the view of each point.
+        shape: V and m, of the result.
+        search: With "scipy", no machine code.
+    """
+    joined = np.zeros(shape, dtype=np.uint64)
+    if uses_numba(search):
+        compiled(join_pairs, SEARCHING)(joined, pairs.starts, pairs.ids, views, sets)
+    else:
+        lengths = np.diff(pairs.starts)
+        np.bitwise_or.at(joined, (np.repeat(views, lengths), pairs.ids), np.repeat(sets, lengths))
+    return joined
