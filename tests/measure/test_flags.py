@@ -5,6 +5,7 @@ import pytest
 
 from tests.oracles.scenes import CAMERA, aligned_extents, corner_view, holds, in_world, scan_of
 from viewgain.box import Box, box_hits, entry_mask
+from viewgain.evaluation import VolumeSettings, volume_case
 from viewgain.geometry import inverse
 from viewgain.measure import BoxEstimate, measure
 from viewgain.scans import Scan
@@ -70,6 +71,18 @@ def test_of_a_cut_box_no_more_is_claimed_than_is_seen() -> None:
     assert wrong <= boxes / 10
     assert len(held) >= 4
     assert np.mean(held) >= 0.7
+
+
+@pytest.mark.parametrize(("number", "station"), [(9, 1), (12, 1), (13, 3), (19, 0)])
+def test_a_cut_box_with_all_its_ends_in_view_is_bounded(number: int, station: int) -> None:
+    """Steps of pixels beside the likelihood's peak, some of them higher, leave nothing open: boxes for which they once did."""
+    case = volume_case(VolumeSettings(seed=92), number)
+    scan = case.scans.scan(station, 0)
+    assert scan is not None
+    found = measure(scan, camera=case.camera).boxes[0]
+    assert "cut" in found.flags
+    assert "open" not in found.flags
+    assert found.volume == pytest.approx(case.box.volume, rel=0.03)
 
 
 @pytest.mark.parametrize("seed", range(4))
