@@ -2,6 +2,7 @@
 
 from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
+from viewgain.plan._around import believe as believe
 from viewgain.plan._automatic import AutomaticPolicy as AutomaticPolicy
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Certainty as Certainty
@@ -23,10 +24,9 @@ from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order
 from viewgain.plan._network import NetworkPolicy as NetworkPolicy
-from viewgain.plan._next import Candidate as Candidate
-from viewgain.plan._next import NextView as NextView
-from viewgain.plan._next import believe as believe
 from viewgain.plan._next import next_view as next_view
+from viewgain.plan._next_view import Candidate as Candidate
+from viewgain.plan._next_view import NextView as NextView
 from viewgain.plan._policy import MODEL as MODEL
 from viewgain.plan._policy import Assessment as Assessment
 from viewgain.plan._policy import CovariancePolicy as CovariancePolicy
