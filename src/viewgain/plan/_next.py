@@ -11,6 +11,7 @@ from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
 from viewgain.plan._around import believe, reachable_of, step_back, target_of
 from viewgain.plan._belief import Belief, certainty, floor_pose
 from viewgain.plan._doubt import Hesitant
+from viewgain.plan._judge import VolumeJudge
 from viewgain.plan._next_view import Candidate, NextView
 from viewgain.plan._policy import Assessment, CovariancePolicy, Delegating, Policy
 from viewgain.rigs import Rig, place
@@ -35,6 +36,7 @@ def next_view(
     tolerance: float = 0.05,
     confidence: float = 0.95,
     pose_sigma: tuple[float, float] = POSE_SIGMA,
+    judge: VolumeJudge | None = None,
 ) -> NextView:
     """Rank the stations of a rig by how well the box's volume would be known after going there.
 
@@ -50,19 +52,22 @@ def next_view(
         tolerance: Relative volume error asked for.
         confidence: Probability asked for: stop when P(error < tolerance) exceeds it.
         pose_sigma: Standard deviation of camera poses, metres and radians per axis.
+        judge: Who says how likely the choice is nearly the best, and below which chance it is not stood by; for the volume only.
 
     Returns:
         The ranking; with no candidates and a reason if there is no floor or nothing on it.
 
     Raises:
-        ConfigError: If rig, objective, tolerance or confidence make no sense, or the last of several scans without poses shares
-            no box with the others, so that nobody knows where the camera stands.
+        ConfigError: If rig, objective, tolerance, confidence or judge make no sense, or the last of several scans without poses
+            shares no box with the others, so that nobody knows where the camera stands.
     """
     stations = find_rig(rig)
     if objective not in OBJECTIVES:
         raise ConfigError(f"objective {objective!r} is not known; choose {' or '.join(OBJECTIVES)}")
     if objective == "coverage" and policy is None:
         raise ConfigError("objective coverage wants a policy that scores it; give one, such as NetworkPolicy (--policy network)")
+    if objective != "volume" and judge is not None:
+        raise ConfigError(f"objective {objective}: got a judge of choices for the volume; give none")
     if not 0 < tolerance < 1 or not 0 < confidence < 1:
         raise ConfigError(f"got tolerance {tolerance} and confidence {confidence}, wanted both between 0 and 1")
     decider = policy or CovariancePolicy(pose_sigma)
@@ -93,19 +98,22 @@ def next_view(
     assessments = decider.assess(believed, poses, tolerance)
     if objective == "volume":
         assessments = _told(assessments, CovariancePolicy(pose_sigma), believed, poses, tolerance)
+    reachable = reachable_of(poses, believed, stations, measured.camera_to_world)
     candidates = tuple(
-        Candidate(index, pose, assessment, reachable)
-        for index, (pose, assessment, reachable) in enumerate(
-            zip(poses, assessments, reachable_of(poses, believed, stations, measured.camera_to_world), strict=True)
-        )
+        Candidate(index, pose, assessment, allowed)
+        for index, (pose, assessment, allowed) in enumerate(zip(poses, assessments, reachable, strict=True))
     )
     for_volume = objective == "volume"
     best = _best(candidates, settle=believed.bounded and for_volume, indifferent=INDIFFERENT if for_volume else 0.0)
     sure = certainty(believed, tolerance=tolerance, confidence=confidence)
-    reason, abstention = "no_reachable_view" if best is None else None, None
+    reason, abstention, chance = "no_reachable_view" if best is None else None, None, None
     if best is not None and isinstance(decider, Hesitant):
-        abstention = decider.abstention(assessments, np.array([candidate.reachable for candidate in candidates]), best)
-        best, reason = (best, None) if abstention is None else (None, "abstains")
+        abstention = decider.abstention(assessments, np.array(reachable), best)
+    if best is not None and judge is not None:
+        chance = judge.chance(believed, poses, np.array(reachable), best)
+        abstention = abstention or judge.abstention(chance, best)
+    if abstention is not None:
+        best, reason = None, "abstains"
     target, up = believed.mean.centre, believed.mean.floor.normal
     return NextView(
         stations.name,
@@ -122,6 +130,7 @@ def next_view(
         reason,
         objective,
         abstention,
+        chance,
     )
 
 

@@ -81,7 +81,10 @@ class NextView:
     """Why nothing can be planned: ``no_floor``, ``nothing_on_floor``, ``no_reachable_view``, ``abstains``, or None."""
     objective: str = "volume"
     abstention: str | None = None
-    """In words why the policy stands by no choice; None where it does, or is not asked."""
+    """In words why the policy, or who judges it, stands by no choice; None where they do, or are not asked."""
+    nearly_best: float | None = None
+    """Chance that no other view in reach is better by two points of volume error than the one that would be chosen; None where
+    nobody was asked."""
 
     def to_dict(self) -> dict[str, object]:
         """Return the versioned JSON form (docs/json.md)."""
@@ -99,4 +102,5 @@ class NextView:
             "confidence": self.confidence,
             "reason": self.reason,
             "abstention": self.abstention,
+            "p_nearly_best": None if self.nearly_best is None else round(self.nearly_best, 4),
         }
