@@ -14,12 +14,25 @@ from benchmarks._logistic import logistic
 from benchmarks.confidence import Decision, Evidence, fitted, out_of_fold
 from viewgain.errors import ConfigError, ModelError
 from viewgain.evaluation import VolumeRun, VolumeSettings, selective
-from viewgain.plan import NEARLY, NUMBERS, Confidence, Opinions, _confidence, chance_of_nearly_best, decision_numbers
+from viewgain.plan import (
+    NEARLY,
+    NUMBERS,
+    Confidence,
+    Opinions,
+    RandomPolicy,
+    VolumeJudge,
+    _confidence,
+    chance_of_nearly_best,
+    decision_numbers,
+    next_view,
+)
 from viewgain.plan._confidence import confidence_from, shipped_confidence
 from viewgain.plan._nearly_best import SCATTER
+from viewgain.scans import Scan
 
 errors = st.lists(st.floats(0.002, 0.998), min_size=2, max_size=7).map(np.array)
 COUNT = len(NUMBERS)
+NOWHERE = Scan(points=np.tile([0.0, 0.0, 1.0], (100, 1)), source="nowhere")
 
 
 def some_opinions(values: np.ndarray, seed: int = 0, trust: float = 0.5) -> Opinions:
@@ -88,9 +101,26 @@ def test_where_one_is_silent_the_other_speaks_and_where_both_are_nothing_is_know
     silent = np.full(3, np.nan)
     alone = decision_numbers(replace(held, model=silent, trust=0.0), 0)
     assert alone is not None
-    assert alone[0] == alone[1] == alone[2]
+    assert alone[0] == alone[1]
+    other = decision_numbers(replace(held, model=np.array([0.9, 0.1, 0.1]), trust=0.0), 0)
+    assert other is not None
+    assert np.array_equal(other, alone)
     assert decision_numbers(replace(held, model=silent, network=silent), 0) is None
     assert shipped_confidence().chance(None) == 0
+
+
+def test_a_judge_stands_by_what_is_likely_enough_and_by_volumes_alone() -> None:
+    limits = np.linspace(0, 1, 11)
+    stood = [VolumeJudge(NOWHERE, limit).abstention(0.5, 3) is None for limit in limits.tolist()]
+    assert stood == (limits <= 0.5).tolist()
+    words = VolumeJudge(NOWHERE, 0.9).abstention(0.5, 3)
+    assert words is not None
+    assert words.startswith("view 3 would be chosen")
+    assert words.endswith("2 points of volume error is 0.50, under the 0.90 asked for")
+    with pytest.raises(ConfigError, match=r"got 1\.5 to abstain below"):
+        VolumeJudge(NOWHERE, 1.5)
+    with pytest.raises(ConfigError, match="objective coverage: got a judge"):
+        next_view(NOWHERE, objective="coverage", policy=RandomPolicy(np.random.default_rng(0)), judge=VolumeJudge(NOWHERE))
 
 
 def a_confidence(seed: int = 0) -> Confidence:

@@ -22,14 +22,15 @@ from viewgain.plan._opinions import Opinions
 
 FILE = Path(__file__).parent / "confidence.json"
 """The one that comes with the package."""
-NUMBERS = ("chance by both", "chance by the model", "chance by the network", "expected error of the choice", "doubt in the model")
-"""What is known of a decision. Chances and errors as log-odds."""
+NUMBERS = ("chance by the model", "chance by the network")
+"""What is known of a decision, as log-odds (:func:`viewgain.plan.chance_of_nearly_best`). Few, for boxes of which the truth is
+known are few; errors, gaps, near ties and the number of candidates are in both, and where the opinions part so do they."""
 
 
 def decision_numbers(opinions: Opinions, chosen: int) -> Vector | None:
     """Return (F,) what is known of a decision, in the order of :data:`NUMBERS`; None where nobody has an opinion.
 
-    Where one of the two has no opinion, the other speaks for it.
+    Where one of the two has no opinion, or the model no weight, the other speaks for it.
 
     Args:
         opinions: Of all candidates.
@@ -41,10 +42,10 @@ def decision_numbers(opinions: Opinions, chosen: int) -> Vector | None:
     both, allowed = opinions.both, opinions.reachable
     if np.any(np.isnan(both[allowed])):
         return None
-    voices = [np.where(np.isnan(each), both, each) for each in (both, opinions.model, opinions.network)]
+    model = opinions.model if opinions.trust > 0 else both
+    voices = [np.where(np.isnan(each), both, each) for each in (model, opinions.network)]
     chances = np.array([chance_of_nearly_best(each, allowed, chosen) for each in voices])
-    level = float(np.clip(both[chosen], LEAST, 1 - LEAST))
-    return np.array([*logit(np.clip(chances, LEAST, 1 - LEAST)), float(logit(level)), 1 - opinions.trust])
+    return np.asarray(logit(np.clip(chances, LEAST, 1 - LEAST)), dtype=float)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from viewgain.evaluation import Selective
-from viewgain.report._colours import FAINT, GRID, INK, SMALL
+from viewgain.report._colours import FAINT, GRID, INK, NORMAL, SMALL
 from viewgain.report._series import marked_line, plain_line
 from viewgain.report._style import key, new_figure, plain_axes, title
 
@@ -19,7 +19,9 @@ def confidence_figure(worth: Selective, what: str) -> Figure:
     left, right = figure.subplots(1, 2)
     _risks(left, worth)
     _reliability(right, worth)
-    title(left, "Chance of being within 2 points of the best view", [what])
+    figure.suptitle(f"How sure a decision is: {what}", x=0.01, horizontalalignment="left", fontsize=NORMAL, color=INK)
+    title(left, "Leaving out the least sure")
+    title(right, "Said and found")
     handles = [
         key("by the chance", **_SURE),
         key("by the margin to the next best", **_MARGIN),
@@ -39,7 +41,7 @@ def _risks(axes: Axes, worth: Selective) -> None:
     axes.set_xlim(0, 102)
     axes.set_ylim(bottom=0)
     axes.grid(color=GRID, linewidth=0.6)
-    plain_axes(axes, "decisions kept, per cent", "of those not within 2 points, per cent")
+    plain_axes(axes, "decisions kept, per cent", "of those not within 2 points of the best, %")
 
 
 def _reliability(axes: Axes, worth: Selective) -> None:
@@ -51,4 +53,4 @@ def _reliability(axes: Axes, worth: Selective) -> None:
     axes.set_ylim(0, 102)
     axes.set_aspect("equal")
     axes.grid(color=GRID, linewidth=0.6)
-    plain_axes(axes, "chance that was said, per cent", "found within 2 points, per cent (95 % intervals)")
+    plain_axes(axes, "chance to be within 2 points, as said, per cent", "found, per cent (95 % intervals)")
