@@ -7,6 +7,7 @@ from benchmarks import (
     accuracy,
     calibration,
     closed_loop,
+    confidence,
     coverage_policies,
     data,
     data_labels,
@@ -51,6 +52,7 @@ BENCHMARKS = {
     "rounding": rounding.run,
     "surrogate": surrogate.run,
     "error-model": error_model.run,
+    "confidence": confidence.run,
 }
 
 
@@ -76,12 +78,14 @@ def main() -> None:
         "--oracle", action="store_true", help="closed-loop: also the best of the eight views, by the truth (slow)"
     )
     parser.add_argument(
-        "--pictures", type=Path, help="volume, calibration, published-noise, real-tof: also draw, into this folder"
+        "--pictures", type=Path, help="volume, calibration, confidence, published-noise, real-tof: also draw, into this folder"
     )
-    parser.add_argument("--data", nargs="*", type=Path, help="folders of data sets: data-statistics, rounding")
+    parser.add_argument(
+        "--data", nargs="*", type=Path, help="folders: data sets of data-statistics, rounding; results of confidence"
+    )
     parser.add_argument("--runs", nargs="*", type=Path, help="rounding: folders of training runs")
     parser.add_argument("--kept", type=Path, help="error-model: folder that keeps what was measured, and gives it back")
-    parser.add_argument("--out", type=Path, help="error-model: also write what was fitted to all boxes, into this file")
+    parser.add_argument("--out", type=Path, help="error-model, confidence: also write the fit to all boxes, into this file")
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)
     if unknown:

@@ -1,10 +1,11 @@
 """Markdown tables and bootstrap intervals for the benchmarks."""
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from viewgain.evaluation import wilson as wilson
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -24,16 +25,6 @@ def bootstrap(
     drawn = [statistic(values[rng.integers(len(values), size=len(values))]) for _ in range(draws)]
     low, high = np.quantile(drawn, [0.025, 0.975])
     return float(low), float(high)
-
-
-def wilson(hits: int, total: int) -> tuple[float, float]:
-    """Return the 95 % Wilson interval of a share, within 0 and 1; all of that without a trial."""
-    if total == 0:
-        return 0.0, 1.0
-    z, p = 1.96, hits / total
-    centre = (p + z * z / (2 * total)) / (1 + z * z / total)
-    half = z / (1 + z * z / total) * math.sqrt(p * (1 - p) / total + z * z / (4 * total * total))
-    return max(centre - half, 0.0), min(centre + half, 1.0)
 
 
 def percent(value: float, digits: int = 2) -> str:

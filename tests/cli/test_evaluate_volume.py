@@ -1,7 +1,7 @@
 """``viewgain evaluate volume`` through the real command: figures by hand, going on, and what goes wrong."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from viewgain.cli import main
 from viewgain.evaluation import VolumeSettings, case_errors, choice, volume_case
+from viewgain.evaluation._box_results import rig_digest
+from viewgain.evaluation._claim import claim
 from viewgain.evaluation._volume_case import VolumeCase
 from viewgain.measure import POSE_SIGMA, fuse
 from viewgain.plan import FarthestPolicy
@@ -63,6 +65,36 @@ def test_the_table_is_that_of_scans_by_hand_and_a_second_run_takes_what_is_kept(
         said = capsys.readouterr().err
         assert f"{kept[1]}: is damaged" in said
         assert "Traceback" not in said
+
+
+def test_the_default_estimators_decisions_come_with_a_chance_and_a_picture(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Of boxes that are kept no scan is taken but those to decide by."""
+    settings = VolumeSettings(seed=5, captures=2)
+    claim(tmp_path, {"rig_stations": rig_digest(settings), **asdict(settings)}, results=tmp_path / "boxes")
+    for number in range(3):
+        kept = {
+            "box": number,
+            "size_m": [0.3, 0.2, 0.1],
+            "present": 0,
+            "errors": [[0.01 * (view + number)] * 4 for view in range(4)],
+        }
+        (tmp_path / "boxes" / f"box{number:05d}.json").write_text(json.dumps(kept))
+    options = ["--boxes", "3", "--captures", "2", "--seed", "5", "--policies", "expected", "farthest", "random", "--out"]
+    assert main(["evaluate", "volume", "--json", *options, str(tmp_path)]) == 0
+    rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["rows"]}
+    assert rows["uniform guess"]["sure"] is None
+    for name in ("expected", "farthest"):
+        sure = rows[name]["sure"]
+        assert [each["share"] for each in sure["kept"]] == [0.5, 0.7, 0.9, 1.0]
+        assert sum(group["count"] for group in sure["bins"]) == 3
+        assert all(0 <= group["said"] <= 1 for group in sure["bins"])
+        assert sure["kept"][-1]["nearly"] == pytest.approx(rows[name]["shares"]["mean"][1])
+        assert sure["area_by_truth"] <= sure["area"]["value"]
+    text = (tmp_path / "volume.md").read_text()
+    assert "Confidence: the chance, known when choosing" in text
+    assert (tmp_path / "volume.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.slow

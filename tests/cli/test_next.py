@@ -15,7 +15,7 @@ from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
 
 FIRST_KEYS = {"schema", "rig", "objective", "policy", "current", "candidates", "best", "stop"}
-KEYS = FIRST_KEYS | {"p_within_tolerance", "tolerance", "confidence", "reason", "abstention"}
+KEYS = FIRST_KEYS | {"p_within_tolerance", "tolerance", "confidence", "reason", "abstention", "p_nearly_best"}
 VERDICT_KEYS = {"score", "score_sigma", "volume_sigma_m3", "p_within_tolerance", "reachable"}
 CANDIDATE_KEYS = VERDICT_KEYS | {"index", "camera_to_current", "faces", "cut", "border_share"}
 
@@ -80,6 +80,31 @@ def test_the_words_say_where_to_go_or_to_stop(scans: Path, capsys: pytest.Captur
     assert last.startswith("P(volume error < 0.1%) is ")
 
 
+def test_the_volume_is_abstained_from_below_the_chance_asked_for(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The chance is said whoever decides, an abstention has it as its reason, and the more is asked the fewer views are named."""
+    plain = plan_of([str(scans / "one.png"), "--tolerance", "0.001"], capsys)
+    chance = plain["p_nearly_best"]
+    assert 0 < chance < 1
+    told = [
+        plan_of([str(scans / "one.png"), "--tolerance", "0.001", "--abstain", f"{limit:.4f}"], capsys)
+        for limit in (chance / 2, (1 + chance) / 2)
+    ]
+    assert [plan["best"] for plan in told] == [plain["best"], None]
+    assert [plan["reason"] for plan in told] == [None, "abstains"]
+    assert f"is {chance:.2f}, under the {(1 + chance) / 2:.2f} asked for" in told[1]["abstention"]
+    assert {plan["p_nearly_best"] for plan in told} == {chance}
+    assert [plan["candidates"] for plan in told] == [plain["candidates"]] * 2
+    assert main(["next", str(scans / "one.png"), "--tolerance", "0.001", "--abstain", "1", "--policy", "expected"]) == 0
+    assert "No view is named: view " in capsys.readouterr().out
+
+
+def test_the_words_say_the_chance(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["next", str(scans / "one.png"), "--tolerance", "0.001"]) == 0
+    last = " ".join(capsys.readouterr().out.splitlines()[-1:])
+    assert "Chance that no other view is better by 2 points of volume error: " in last
+    assert last.endswith(" %.")
+
+
 def test_a_thing_that_is_no_box_is_still_planned_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     command = "simulate --scene object --category mug --size 0.4 --rig ring2 --without multipath --formats npz --out"
     assert main([*command.split(), str(tmp_path)]) == 0
@@ -95,7 +120,7 @@ def test_a_bare_floor_has_a_reason_and_exit_3(scans: Path, capsys: pytest.Captur
     assert plan["candidates"] == []
 
 
-WRONG = [("--rig", "ring0"), ("--tolerance", "2"), ("--confidence", "0"), ("--rig", "none.toml")]
+WRONG = [("--rig", "ring0"), ("--tolerance", "2"), ("--confidence", "0"), ("--rig", "none.toml"), ("--abstain", "1.5")]
 
 
 @pytest.mark.parametrize(("option", "value"), WRONG)

@@ -157,8 +157,6 @@ def test_the_command_ranks_by_a_network(scan: Scan, folder: Path, tmp_path: Path
         run_next(replace(command, objective="volume"))
     with pytest.raises(ConfigError, match="of which the model knows nothing"):
         run_next(replace(command, deciding=replace(chosen, policy="combined")))
-    with pytest.raises(ConfigError, match="--abstain"):
-        run_next(replace(command, objective="volume", deciding=Deciding(abstain=0.5)))
     with pytest.raises(ConfigError, match="boxes only"):
         run_next(replace(command, deciding=Deciding()))
     with pytest.raises(ModelError, match="not shipped"):

@@ -20,7 +20,7 @@ from viewgain.scenes import orbit_pose, random_box, random_view, standing_box
 
 KEYS = {
     "schema", "rig", "objective", "policy", "current", "candidates", "best", "stop", "p_within_tolerance", "tolerance",
-    "confidence", "reason", "abstention",
+    "confidence", "reason", "abstention", "p_nearly_best",
 }  # fmt: skip
 VERDICT_KEYS = {"score", "score_sigma", "volume_sigma_m3", "p_within_tolerance", "reachable"}
 CANDIDATE_KEYS = VERDICT_KEYS | {"index", "camera_to_current", "faces", "cut", "border_share"}

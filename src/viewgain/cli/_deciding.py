@@ -17,4 +17,5 @@ class Deciding:
     """Network files made by viewgain export, several for their mean; default the shipped one of the objective: for volume the one
     of any rig, for coverage that of the rig and of whether the scan has a pose."""
     abstain: float = 0.0
-    """With --policy network: name no view where the probability that it is the best is under this; 0 for never."""
+    """Name no view where the chance is under this that, for volume, no other view in reach is better by 2 points of volume error,
+    or, for coverage with --policy network, that it is the best; 0 for never."""

@@ -18,6 +18,7 @@ from viewgain.plan import (
     ExpectedErrorPolicy,
     NetworkPolicy,
     Policy,
+    VolumeJudge,
     VolumeNetworkAboutBox,
     next_view,
 )
@@ -46,6 +47,7 @@ def run_next(command: Next) -> int:
         camera=camera,
         tolerance=command.tolerance,
         confidence=command.confidence,
+        judge=VolumeJudge(scans[-1], command.deciding.abstain) if command.objective == "volume" else None,
     )
     if command.json:
         print(json.dumps(plan.to_dict(), allow_nan=False))
@@ -71,8 +73,6 @@ def _policy(command: Next, scan: Scan) -> Policy:
             raise ConfigError(
                 f"--objective coverage: got --policy {deciding.policy}, which knows boxes only; add --policy network"
             )
-        if deciding.abstain:
-            raise ConfigError(f"--abstain: got --policy {deciding.policy}, which always chooses; add --policy network")
         if deciding.model:
             raise ConfigError(
                 f"--model: got {deciding.model[0]}, and --policy {deciding.policy} asks none that is named; add --policy network"
@@ -94,8 +94,6 @@ def _for_volume(command: Next, scan: Scan) -> Policy:
             f"--policy {deciding.policy}: got {len(deciding.model)} networks for --objective {command.objective}, wanted one that"
             " was trained for volumes; name it with --model, or none for the shipped one"
         )
-    if deciding.abstain:
-        raise ConfigError("--abstain: got --objective volume, wanted --objective coverage")
     model = ExpectedErrorPolicy() if deciding.policy == "combined" else None
     return VolumeNetworkAboutBox(PoseScorer.load(deciding.model[0] if deciding.model else VOLUME_MODEL), scan, model)
 

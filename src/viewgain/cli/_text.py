@@ -5,7 +5,7 @@ from rich.console import Console
 from rich.table import Table
 
 from viewgain.measure import REASONS, BoxEstimate, Measurement
-from viewgain.plan import MODEL, NextView, directions_in_words
+from viewgain.plan import MODEL, NEARLY, NextView, directions_in_words
 
 NAMES = ("length", "width", "height")
 
@@ -105,4 +105,7 @@ def decision_in_words(plan: NextView) -> str:
         return f"{chance}; no candidate of the rig can be reached."
     after = plan.candidates[plan.best].assessment.outlook
     gain = "" if after is None else f": that lifts it to {after.within_tolerance:.3f}"
-    return f"{chance}, under the {plan.confidence:.2f} asked for. View {plan.best}: {plan_words(plan, plan.best)}{gain}."
+    sure = "" if plan.nearly_best is None else (
+        f" Chance that no other view is better by {100 * NEARLY:g} points of volume error: {100 * plan.nearly_best:.0f} %."
+    )  # fmt: skip
+    return f"{chance}, under the {plan.confidence:.2f} asked for. View {plan.best}: {plan_words(plan, plan.best)}{gain}.{sure}"

@@ -78,6 +78,9 @@ from viewgain.evaluation._records import Row as Row
 from viewgain.evaluation._records import Table1 as Table1
 from viewgain.evaluation._risk import risk_coverage as risk_coverage
 from viewgain.evaluation._risk import risks_at as risks_at
+from viewgain.evaluation._selective import Selective as Selective
+from viewgain.evaluation._selective import selective as selective
+from viewgain.evaluation._selective_words import selective_markdown as selective_markdown
 from viewgain.evaluation._table1 import Judgement as Judgement
 from viewgain.evaluation._table1 import table1 as table1
 from viewgain.evaluation._table2 import table2 as table2
@@ -88,7 +91,11 @@ from viewgain.evaluation._volume_case import volume_case as volume_case
 from viewgain.evaluation._volume_choices import Choice as Choice
 from viewgain.evaluation._volume_choices import check_volume_policies as check_volume_policies
 from viewgain.evaluation._volume_choices import choice as choice
+from viewgain.evaluation._volume_confidence import opinions_of as opinions_of
 from viewgain.evaluation._volume_runs import VolumeRun as VolumeRun
 from viewgain.evaluation._volume_runs import run_boxes as run_boxes
+from viewgain.evaluation._volume_table import VolumeRow as VolumeRow
+from viewgain.evaluation._volume_table import VolumeTable as VolumeTable
 from viewgain.evaluation._volume_table import volume_table as volume_table
 from viewgain.evaluation._volume_words import volume_markdown as volume_markdown
+from viewgain.evaluation._wilson import wilson as wilson

@@ -7,9 +7,8 @@ import numpy as np
 from viewgain.arrays import Array, Indices
 from viewgain.errors import DataError
 from viewgain.evaluation._position_scores import PositionScores, best_positions
+from viewgain.plan import NEARLY
 
-NEARLY = 0.02
-"""A position whose expected error is at most so much above the least counts as nearly best: two points of relative error."""
 JUDGED = ("best position", "within 2 points", "error")
 """What each decision is judged by; the names of the columns."""
 _SLACK = 1e-12

@@ -3,18 +3,20 @@
 import dataclasses
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import process_time
 
 import numpy as np
 
-from viewgain.arrays import Array, Mask
+from viewgain.arrays import Array, Mask, Vector
 from viewgain.datasets import write_whole
 from viewgain.evaluation._box_results import BOXES, Watcher, box_file, each_done, rig_digest
 from viewgain.evaluation._claim import claim, damaged, kept_text
 from viewgain.evaluation._volume_case import VolumeSettings, case_errors, volume_case
 from viewgain.evaluation._volume_choices import DECIDING, Choice, choice, is_from_file, network_of, policy_of
+from viewgain.evaluation._volume_confidence import opinions_of
+from viewgain.plan import decision_numbers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -35,6 +37,9 @@ class VolumeRun:
     """By policy."""
     milliseconds: dict[str, float]
     """CPU time of each decision, measuring included."""
+    numbers: dict[str, Vector | None] = field(default_factory=dict)
+    """By policy: (F,) what model and network say of its choice (:func:`viewgain.plan.decision_numbers`), None where they are
+    silent; empty where another estimator than the default one measures, of which they know nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -104,6 +109,7 @@ def _worked_out(task: _Task) -> VolumeRun:
         start = process_time()
         choices[name] = choice(case, policy)
         spent[name] = 1e3 * (process_time() - start)
+    opinions = opinions_of(case) if choices and task.settings.estimator == "default" else None
     sides = tuple(float(side) for side in case.box.extents)
     return VolumeRun(
         number=task.number,
@@ -113,6 +119,7 @@ def _worked_out(task: _Task) -> VolumeRun:
         errors=errors,
         choices=choices,
         milliseconds=spent,
+        numbers={} if opinions is None else {name: decision_numbers(opinions, made.position) for name, made in choices.items()},
     )
 
 

@@ -14,11 +14,14 @@ from viewgain.evaluation._decisions import JUDGED, constant_choices, guessed, ju
 from viewgain.evaluation._position_scores import PositionScores, agreement, best_positions, position_scores
 from viewgain.evaluation._ratios import Ratio, ratio
 from viewgain.evaluation._risk import risks_at
+from viewgain.evaluation._selective import Selective, selective
 from viewgain.evaluation._volume_case import VolumeSettings
 from viewgain.evaluation._volume_choices import CONSTANT, FLOORS, OFFSET, ORACLE, UNIFORM
 from viewgain.evaluation._volume_runs import VolumeRun
+from viewgain.plan import shipped_confidence
 
-_STREAM = 0x7633
+_STREAM, _SURE = 0x7633, 0x7634
+"""Streams of intervals: of the table, and of what leaving out decisions brings, the same boxes for every row."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,6 +39,8 @@ class VolumeRow:
     kept: tuple[float, ...] = ()
     """Mean of how much worse than the best position its choice is, over the 50, 70, 90 and 100 % of boxes where it expects to be
     the furthest ahead of its next choice; empty where nothing decides."""
+    sure: Selective | None = None
+    """What leaving out the decisions brings that are least likely to be nearly best; None where nothing decides."""
     undecided: int = 0
     """Boxes on which it had no opinion and stayed."""
     milliseconds: float | None = None
@@ -104,6 +109,7 @@ def volume_table(settings: VolumeSettings, runs: Sequence[VolumeRun], policies: 
                 of_ceiling=ratio(values[:, 0], halves[:, 0], rng=rng),
                 to_oracle=ratio(values[:, 2], oracle[:, 2], rng=rng),
                 kept=_kept(runs, name, values, scoring),
+                sure=_sure(runs, name, values, oracle, seed=settings.seed),
                 undecided=sum(not run.choices[name].has_opinion for run in runs if name in run.choices),
                 milliseconds=_median(runs, name),
             )
@@ -136,6 +142,14 @@ def _kept(runs: Sequence[VolumeRun], name: str, values: Array, scoring: Sequence
         return ()
     above = values[:, 2] - np.array([box.mean[box.least] for box in scoring])
     return risks_at([run.choices[name].margin for run in runs], above)
+
+
+def _sure(runs: Sequence[VolumeRun], name: str, values: Array, oracle: Array, *, seed: int) -> Selective | None:
+    if not all(name in run.numbers for run in runs):
+        return None
+    confidence = shipped_confidence()
+    chances, margins = [confidence.chance(run.numbers[name]) for run in runs], [run.choices[name].margin for run in runs]
+    return selective(chances, margins, values[:, 1], values[:, 2], oracle[:, 2], rng=np.random.default_rng([seed, _SURE]))
 
 
 def _median(runs: Sequence[VolumeRun], name: str) -> float | None:

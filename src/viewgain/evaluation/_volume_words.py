@@ -4,6 +4,7 @@ from viewgain.evaluation._bootstrap import Shares
 from viewgain.evaluation._markdown import markdown_table
 from viewgain.evaluation._ratios import Ratio
 from viewgain.evaluation._risk import KEPT
+from viewgain.evaluation._selective_words import selective_markdown
 from viewgain.evaluation._volume_table import VolumeTable
 
 _HEADER = ("", "best position, %", "of the ceiling", "within 2 points, %", "mean error, %", "to the oracle's", "undecided", "ms")
@@ -24,7 +25,8 @@ def volume_markdown(table: VolumeTable) -> str:
         )
         for row in table.rows
     ]
-    return "\n".join([*_heading(table), "", *markdown_table(_HEADER, rows), *_risks(table)]) + "\n"
+    sure = {row.name: row.sure for row in table.rows if row.sure is not None}
+    return "\n".join([*_heading(table), "", *markdown_table(_HEADER, rows), *_risks(table), *selective_markdown(sure)]) + "\n"
 
 
 def _risks(table: VolumeTable) -> list[str]:

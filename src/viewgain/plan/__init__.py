@@ -2,12 +2,17 @@
 
 from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
+from viewgain.plan._around import believe as believe
 from viewgain.plan._automatic import AutomaticPolicy as AutomaticPolicy
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Certainty as Certainty
 from viewgain.plan._belief import Outlook as Outlook
 from viewgain.plan._belief import certainty as certainty
 from viewgain.plan._circumstances import circumstances as circumstances
+from viewgain.plan._confidence import NUMBERS as NUMBERS
+from viewgain.plan._confidence import Confidence as Confidence
+from viewgain.plan._confidence import decision_numbers as decision_numbers
+from viewgain.plan._confidence import shipped_confidence as shipped_confidence
 from viewgain.plan._doubt import Hesitant as Hesitant
 from viewgain.plan._doubt import chances_of_best as chances_of_best
 from viewgain.plan._error_model import MOST_SHIFT as MOST_SHIFT
@@ -22,11 +27,15 @@ from viewgain.plan._expected import physical_error as physical_error
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order
+from viewgain.plan._judge import VolumeJudge as VolumeJudge
+from viewgain.plan._nearly_best import NEARLY as NEARLY
+from viewgain.plan._nearly_best import chance_of_nearly_best as chance_of_nearly_best
 from viewgain.plan._network import NetworkPolicy as NetworkPolicy
-from viewgain.plan._next import Candidate as Candidate
-from viewgain.plan._next import NextView as NextView
-from viewgain.plan._next import believe as believe
 from viewgain.plan._next import next_view as next_view
+from viewgain.plan._next_view import Candidate as Candidate
+from viewgain.plan._next_view import NextView as NextView
+from viewgain.plan._opinions import Opinions as Opinions
+from viewgain.plan._opinions import weighted as weighted
 from viewgain.plan._policy import MODEL as MODEL
 from viewgain.plan._policy import Assessment as Assessment
 from viewgain.plan._policy import CovariancePolicy as CovariancePolicy
@@ -46,7 +55,6 @@ from viewgain.plan._volume_network import CombinedPolicy as CombinedPolicy
 from viewgain.plan._volume_network import VolumeNetworkAboutBox as VolumeNetworkAboutBox
 from viewgain.plan._volume_network import VolumeNetworkPolicy as VolumeNetworkPolicy
 from viewgain.plan._volume_network import trust as trust
-from viewgain.plan._volume_network import weighted as weighted
 from viewgain.plan._volumetric import Mapper as Mapper
 from viewgain.plan._volumetric import VolumetricPolicy as VolumetricPolicy
 from viewgain.plan._words import directions_in_words as directions_in_words

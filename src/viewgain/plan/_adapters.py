@@ -8,8 +8,8 @@ from viewgain.arrays import Poses, Vector
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure
+from viewgain.plan._around import believe
 from viewgain.plan._belief import Belief
-from viewgain.plan._next import believe
 from viewgain.plan._policy import Assessment, Policy
 from viewgain.plan._views import Seen, ViewPolicy, visited_among
 from viewgain.scans import Scan

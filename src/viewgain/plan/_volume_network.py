@@ -10,6 +10,7 @@ from viewgain.inference import PoseScorer
 from viewgain.plan._adapters import OnBelief
 from viewgain.plan._belief import Belief
 from viewgain.plan._expected import ExpectedErrorPolicy
+from viewgain.plan._opinions import weighted
 from viewgain.plan._policy import Assessment
 from viewgain.plan._views import Seen, ViewPolicy
 from viewgain.scans import Scan
@@ -46,12 +47,6 @@ def trust(belief: Belief | None) -> float:
     if belief is None or belief.guessed:
         return NOTHING_MEASURED
     return MEASURED if belief.bounded else OPEN
-
-
-def weighted(one: Vector, two: Vector, weight: float) -> Vector:
-    """Return (V,) means with a weight of the first; where one is NaN, the other."""
-    mean = weight * one + (1 - weight) * two
-    return np.where(np.isnan(one), two, np.where(np.isnan(two), one, mean))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from viewgain.arrays import Pose
 from viewgain.box import Box
 from viewgain.episodes import Episode
 from viewgain.errors import ConfigError
-from viewgain.evaluation import CoverageTable, GainMap, LoopTable, RealRanking, Table1
+from viewgain.evaluation import CoverageTable, GainMap, LoopTable, RealRanking, Selective, Table1
 from viewgain.geometry import inverse
 from viewgain.measure import Measurement
 from viewgain.plan import NextView
@@ -193,6 +193,27 @@ def write_loop_picture(table: LoopTable, path: Path) -> Path:
     from viewgain.report._loop_picture import loop_figure
 
     return _saved(loop_figure(table), path)
+
+
+def write_confidence_picture(worth: Selective, what: str, path: Path) -> Path:
+    """Save the picture of what a confidence is worth: risk by the share of decisions kept, and said against found.
+
+    Args:
+        worth: Of one policy.
+        what: Whose decisions on which boxes.
+        path: A .png file; one that exists is replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: If matplotlib or jinja2 is not installed.
+        StorageError: If ``path`` cannot be written.
+    """
+    require_extra()
+    from viewgain.report._confidence_picture import confidence_figure
+
+    return _saved(confidence_figure(worth, what), path)
 
 
 def write_map_picture(drawn: GainMap, path: Path) -> Path:
