@@ -87,9 +87,9 @@ class EvaluateShapes:
     camera: str = "pico_flexx"
     """Camera preset (docs/cameras.md) or a TOML file."""
     policies: tuple[str, ...] = ()
-    """Who chooses: completed, rear_side_voxel, ... (docs/volumetric.md), auto, covariance, expected, farthest, network:FILE.onnx,
+    """Who chooses: columns, rear_side_voxel, ... (docs/volumetric.md), auto, covariance, expected, farthest, network:FILE.onnx,
     combined:FILE.onnx, constant, random, oracle; default one of each kind."""
-    captures: int = 3
+    captures: int = 2
     """Scans of each position that score it; as many others are the oracle's."""
     distance: float = 1.2
     """For stations that leave it open, metres from the centre."""

@@ -57,7 +57,7 @@ class ShapeSettings:
     """Positions: a preset or a rig file."""
     camera: str = "pico_flexx"
     """Camera: a preset or a file; each object has one of its own, with a systematic error drawn from what calibration leaves."""
-    captures: int = 3
+    captures: int = 2
     """Scans of each position that score it; as many others are the oracle's."""
     distance: float = 1.2
     """For stations that leave it open, metres from the object's centre."""

@@ -6,10 +6,10 @@ from viewgain.errors import ConfigError
 from viewgain.evaluation._volume_choices import DECIDING, FLOORS, FROM_FILE, DecisionCase, Maker, is_from_file, policy_of
 from viewgain.gain import VOLUMETRIC
 from viewgain.inference import VOLUME_MODEL
-from viewgain.plan import AutomaticPolicy, CompletedPolicy, FarthestPolicy, OnBelief, ViewPolicy, WatchedPolicy
+from viewgain.plan import AutomaticPolicy, ColumnsPolicy, FarthestPolicy, OnBelief, ViewPolicy, WatchedPolicy
 
 SHAPE_POLICIES = (
-    "completed",
+    "columns",
     "rear_side_voxel",
     "rear_side_entropy",
     "proximity_count",
@@ -26,7 +26,7 @@ SHAPE_POLICIES = (
 )
 """What is compared where nothing is named."""
 SHAPE_DECIDING: Mapping[str, Maker] = {
-    "completed": lambda case: CompletedPolicy(case.camera),
+    "columns": lambda case: ColumnsPolicy(case.camera),
     **{name: lambda case, metric=metric: WatchedPolicy(metric, case.camera) for name, metric in VOLUMETRIC.items()},  # type: ignore[misc]
     "auto": lambda case: _automatic(case),
     **DECIDING,

@@ -1,21 +1,25 @@
-"""Policies that ask for no box: voxels around what the scans show, and the seen side turned round as a guess of the other."""
+"""Policies that ask for no box: voxels around what the scans show, and what is seen taken to reach down to the floor."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
-from viewgain.arrays import Mask, Points, Vector, Vector3
-from viewgain.camera import Sensor
+from viewgain.arrays import Mask, Points, Pose, Vector
+from viewgain.camera import Intrinsics, Sensor
 from viewgain.gain import GridKnown, Objective
-from viewgain.parcels import hull_volume, smallest_rectangle, standing, standing_points
+from viewgain.geometry import inverse, transform
+from viewgain.parcels import hull_volume, standing, standing_points
 from viewgain.plan._views import Seen
 from viewgain.plan._volumetric import Mapper, VolumetricPolicy
 from viewgain.voxels import CERTAIN, Lattice
 
 _VOXELS = 40
-_FLIP_RADIUS = 2.0
-"""log10 of the radius of the flipping sphere over the farthest point's distance."""
+_POINTS = 700
+"""More points are thinned to about so many before they are made into columns: what hides what is asked of coarse cells."""
+_LAYERS = 4
+"""Points of a column, from the floor up."""
+_CELL, _BEHIND = 0.04, 0.05
+"""A point is hidden if another in the same cell, so wide at the object, lies nearer by so much, metres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,8 +44,9 @@ class WatchedPolicy:
         points = seen_points(seen, self.sensor)
         if not len(points):
             return np.full(len(seen.candidates), np.nan)
-        low, high = points.min(axis=0), points.max(axis=0)
-        half = (high - low)[:2].max()
+        above = points[points[:, 2] > 0]
+        low, high = above.min(axis=0), above.max(axis=0)
+        half = max((high - low)[:2].max(), _CELL)
         middle = (low + high)[:2] / 2
         corners = np.array([[*(middle - half), low[2]], [*(middle + half), high[2]]])
         lattice = Lattice.around(corners, voxels=_VOXELS, margin=0)
@@ -49,56 +54,53 @@ class WatchedPolicy:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CompletedPolicy:
-    """Guesses the unseen side, and goes where the hull of all that is seen would be largest (ours).
+class ColumnsPolicy:
+    """Takes all that is seen to reach down to the floor, and goes where the hull of what is seen would then be largest (ours).
 
-    Most things look alike from two opposite sides: the seen points, turned by half a turn about the upright axis of their
-    standing box, stand in for what is not seen. What a candidate sees of them is told by flipping (Katz, Tal and Basri 2007).
+    A hull of what was seen is too small, so the view that makes it largest is the one that errs least. That what stands on a
+    floor fills the columns under its upper surface is a guess about the hidden side that knows no kind of object.
     """
 
     sensor: Sensor
     """The camera."""
-    name: str = "completed"
+    name: str = "columns"
 
     def scores(self, seen: Seen) -> Vector:
-        """Return (V,) hull volumes, cubic metres; NaN where nothing stands on a floor."""
+        """Return (V,) hull volumes, cubic metres, of what was seen and what a candidate sees of the columns; NaN without any."""
         points = seen_points(seen, self.sensor)
         if not len(points):
             return np.full(len(seen.candidates), np.nan)
-        whole = np.concatenate([points, turned_round(points)])
+        points = points[:: -(-len(points) // _POINTS)]
+        columns = columns_under(points)
         return np.array([
-            hull_volume(np.concatenate([points, whole[visible(whole, pose[:3, 3])]])) for pose in seen.candidates
+            hull_volume(np.concatenate([points, columns[unhidden(columns, pose, seen.camera)]])) for pose in seen.candidates
         ])  # fmt: skip
 
 
 def seen_points(seen: Seen, sensor: Sensor) -> Points:
-    """Return (n, 3) points of all scans of what stands on the floor z = 0, world frame."""
+    """Return (n, 3) points of all scans of what stands on the floor z = 0, world frame, metres; (0, 3) without any."""
     parts = [standing(scan, camera=sensor) for scan in seen.scans]
     return standing_points([part for part in parts if part is not None])
 
 
-def turned_round(points: Points) -> Points:
-    """Return (n, 3) points after half a turn about the upright axis of the smallest standing box around them."""
-    yaw, low, high = smallest_rectangle(points[:, :2])
-    x, y = (low + high) / 2
-    cosine, sine = np.cos(yaw), np.sin(yaw)
-    middle = np.array([cosine * x - sine * y, sine * x + cosine * y])
-    return np.column_stack([2 * middle - points[:, :2], points[:, 2]])
+def columns_under(points: Points) -> Points:
+    """Return (4n, 3) points: (n, 3) points over the floor z = 0, at their own height, at 2/3 and 1/3 of it and on the floor."""
+    return np.concatenate([points * (1.0, 1.0, share) for share in np.linspace(0, 1, _LAYERS)])
 
 
-def visible(points: Points, eye: Vector3) -> Mask:
-    """Return (n,) which of (n, 3) points are seen from ``eye``, though they have no surface; all where they are flat.
-
-    Source:
-        Katz, Tal and Basri (2007), "Direct visibility of point sets".
-    """
-    sight = points - eye
-    away = np.linalg.norm(sight, axis=1, keepdims=True)
-    flipped = sight * (2 * 10**_FLIP_RADIUS * away.max() / away - 1)
-    try:
-        corners = ConvexHull(np.concatenate([flipped, np.zeros((1, 3))])).vertices
-    except (QhullError, ValueError):
-        return np.ones(len(points), dtype=bool)
-    found = np.zeros(len(points) + 1, dtype=bool)
-    found[corners] = True
-    return found[:-1]
+def unhidden(points: Points, camera_to_world: Pose, camera: Intrinsics) -> Mask:
+    """Return (n,) which of (n, 3) points fall into the image and have no other well before them in their cell."""
+    local = transform(inverse(camera_to_world), points)
+    away = np.linalg.norm(local, axis=1)
+    seen = np.flatnonzero(local[:, 2] > 0)
+    pixels = camera.project(local[seen])
+    seen = seen[np.all((pixels > -0.5) & (pixels < np.array([camera.width, camera.height]) - 0.5), axis=1)]
+    mask = np.zeros(len(points), dtype=bool)
+    if not len(seen):
+        return mask
+    cells = np.floor(local[seen, :2] / local[seen, 2:] * (np.median(away[seen]) / _CELL)).astype(int)
+    _, cell = np.unique(cells, axis=0, return_inverse=True)
+    nearest = np.full(cell.max() + 1, np.inf)
+    np.minimum.at(nearest, cell.ravel(), away[seen])
+    mask[seen] = away[seen] <= nearest[cell.ravel()] + _BEHIND
+    return mask
