@@ -56,7 +56,8 @@ def test_a_box_and_its_mesh_are_seen_alike() -> None:
     for view in range(2):
         np.testing.assert_allclose(one.camera_to_world(view, 1), other.camera_to_world(view, 1), atol=1e-12)
         first, second = one.scan(view, 1), other.scan(view, 1)
-        assert first is not None and second is not None
+        assert first is not None
+        assert second is not None
         apart = np.linalg.norm(first.points - second.points, axis=1)
         assert np.mean(apart < 1e-5) > 0.99  # a ray along an edge may take either side
 
