@@ -73,7 +73,7 @@ class EvaluateShapes:
     """Say how well planners choose the second view for the volumes of objects of any shape."""
 
     objects: int = 24
-    """How many, of the categories in turn; one takes about two seconds."""
+    """How many, of the categories in turn; one takes a few seconds."""
     seed: int = 0
     """Source of objects and scans."""
     categories: tuple[str, ...] = ()
