@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 table2-recorded volume-nbv loop-nbv setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 table2-recorded volume-nbv loop-nbv shapes-nbv setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -102,6 +102,9 @@ volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume
 
 loop-nbv: $(VENV)/dev.stamp ## Print how many views planners need until a box's volume is certain, on fresh boxes (hours; goes on where it was)
 	$(BIN)/viewgain evaluate loop --boxes 100 --seed 7 --workers 2 --out tables/loop $(ARGS)
+
+shapes-nbv: $(VENV)/dev.stamp ## Print how well a second view is chosen for the volume of objects of any shape (minutes; goes on where it was)
+	$(BIN)/viewgain evaluate shapes --objects 96 --seed 7 --workers 2 --out tables/shapes $(ARGS)
 
 setup: $(VENV)/dev.stamp ## Make .venv with everything for development
 

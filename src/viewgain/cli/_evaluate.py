@@ -9,11 +9,19 @@ from viewgain.cli._evaluate_coverage import covered
 from viewgain.cli._evaluate_loop import run_evaluate_loop
 from viewgain.cli._evaluate_map import run_evaluate_map
 from viewgain.cli._evaluate_real import run_evaluate_real
+from viewgain.cli._evaluate_shapes import run_evaluate_shapes
 from viewgain.cli._evaluate_table2 import run_evaluate_table2
 from viewgain.cli._evaluate_volume import run_evaluate_volume
 from viewgain.cli._finish import finish
 from viewgain.cli._judging import check_options, judged_data, named_scorers, note
-from viewgain.cli._volume_commands import EvaluateLoop, EvaluateMap, EvaluateReal, EvaluateTable2, EvaluateVolume
+from viewgain.cli._volume_commands import (
+    EvaluateLoop,
+    EvaluateMap,
+    EvaluateReal,
+    EvaluateShapes,
+    EvaluateTable2,
+    EvaluateVolume,
+)
 from viewgain.datasets import Dataset, Frame, rig_of
 from viewgain.errors import ConfigError
 from viewgain.evaluation import (
@@ -123,6 +131,7 @@ _RUNS: Mapping[type, Callable[[Any], int]] = {
     EvaluateTable2: run_evaluate_table2,
     EvaluateVolume: run_evaluate_volume,
     EvaluateLoop: run_evaluate_loop,
+    EvaluateShapes: run_evaluate_shapes,
     EvaluateMap: run_evaluate_map,
     EvaluateReal: run_evaluate_real,
 }

@@ -6,7 +6,14 @@ from typing import Annotated, Literal
 
 import tyro
 
-from viewgain.cli._volume_commands import EvaluateLoop, EvaluateMap, EvaluateReal, EvaluateTable2, EvaluateVolume
+from viewgain.cli._volume_commands import (
+    EvaluateLoop,
+    EvaluateMap,
+    EvaluateReal,
+    EvaluateShapes,
+    EvaluateTable2,
+    EvaluateVolume,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,5 +82,6 @@ class Evaluate:
         | Annotated[EvaluateMap, tyro.conf.subcommand("map")]
         | Annotated[EvaluateReal, tyro.conf.subcommand("real")]
         | Annotated[EvaluateLoop, tyro.conf.subcommand("loop")]
+        | Annotated[EvaluateShapes, tyro.conf.subcommand("shapes")]
     ]
     """Which table."""

@@ -33,13 +33,13 @@ def require_two(command: EvaluateVolume | EvaluateLoop, name: str) -> None:
 
 
 @contextmanager
-def boxes_bar() -> Iterator[Callable[[int, int], None]]:
+def boxes_bar(what: str = "boxes") -> Iterator[Callable[[int, int], None]]:
     """Give a watcher that draws a bar on stderr."""
     columns = (
-        TextColumn("boxes"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
+        TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
     bar = Progress(*columns, console=Console(stderr=True))
-    task = bar.add_task("boxes", total=None)
+    task = bar.add_task(what, total=None)
 
     def watch(done: int, total: int) -> None:
         bar.start()  # only now, so that what is refused before the first box is one line

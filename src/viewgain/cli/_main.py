@@ -38,6 +38,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain evaluate coverage --fresh 10 how much policies cover, view after view
   viewgain evaluate table2 --data DIR   how often it names a box's best position
   viewgain evaluate volume              planners for a box's volume, on fresh boxes
+  viewgain evaluate shapes              planners for the volume of objects of any shape
   viewgain evaluate map                 what each position around a box is worth, as a picture
   viewgain evaluate real SCANS          where policies would go next on real scans, and why
   viewgain demo                         the whole loop on a simulated scene, with a report

@@ -69,6 +69,41 @@ class EvaluateLoop(FreshBoxes):
 
 
 @dataclass(frozen=True, kw_only=True)
+class EvaluateShapes:
+    """Say how well planners choose the second view for the volumes of objects of any shape."""
+
+    objects: int = 24
+    """How many, of the categories in turn; one takes a few seconds."""
+    seed: int = 0
+    """Source of objects and scans."""
+    categories: tuple[str, ...] = ()
+    """Kinds of objects; default the procedural ones that no shipped network trained on, or all of --meshes."""
+    meshes: Path | None = None
+    """Folder of meshes, category/name.ply (docs/meshes.md), z up; default procedural objects."""
+    size: tuple[float, float] = (0.2, 0.8)
+    """Shortest and longest diagonal of an object, metres."""
+    rig: str = "ring8"
+    """Positions: ring8, hemisphere12, irregular4, ... (docs/rigs.md), or a TOML file."""
+    camera: str = "pico_flexx"
+    """Camera preset (docs/cameras.md) or a TOML file."""
+    policies: tuple[str, ...] = ()
+    """Who chooses: columns, rear_side_voxel, ... (docs/volumetric.md), auto, covariance, expected, farthest, network:FILE.onnx,
+    combined:FILE.onnx, constant, random, oracle; default one of each kind."""
+    captures: int = 2
+    """Scans of each position that score it; as many others are the oracle's."""
+    distance: float = 1.2
+    """For stations that leave it open, metres from the centre."""
+    elevation: float = 35.0
+    """For stations that leave it open, degrees."""
+    workers: int = 1
+    """Processes; the results are the same whatever the number."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder of the results: what came of every object is kept, so the same command goes on where it was; shapes.md, .json."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class EvaluateMap(FreshBoxes):
     """Draw what every position around one fresh box is worth: the truth of many scans, and what each policy believes."""
 

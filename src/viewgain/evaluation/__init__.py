@@ -81,6 +81,16 @@ from viewgain.evaluation._risk import risks_at as risks_at
 from viewgain.evaluation._selective import Selective as Selective
 from viewgain.evaluation._selective import selective as selective
 from viewgain.evaluation._selective_words import selective_markdown as selective_markdown
+from viewgain.evaluation._shape_case import VOLUMES as VOLUMES
+from viewgain.evaluation._shape_case import shape_case as shape_case
+from viewgain.evaluation._shape_case import shape_errors as shape_errors
+from viewgain.evaluation._shape_choices import SHAPE_POLICIES as SHAPE_POLICIES
+from viewgain.evaluation._shape_choices import check_shape_policies as check_shape_policies
+from viewgain.evaluation._shape_runs import ShapeRun as ShapeRun
+from viewgain.evaluation._shape_runs import run_shapes as run_shapes
+from viewgain.evaluation._shape_settings import ShapeSettings as ShapeSettings
+from viewgain.evaluation._shape_table import shape_table as shape_table
+from viewgain.evaluation._shape_words import shape_markdown as shape_markdown
 from viewgain.evaluation._table1 import Judgement as Judgement
 from viewgain.evaluation._table1 import table1 as table1
 from viewgain.evaluation._table2 import table2 as table2

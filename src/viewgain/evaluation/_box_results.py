@@ -7,7 +7,7 @@ from typing import Protocol, TypeVar
 
 from viewgain.datasets import Dead, LocalEngine
 from viewgain.errors import DataError
-from viewgain.evaluation._volume_case import VolumeSettings
+from viewgain.evaluation._volume_choices import Question
 
 BOXES = "boxes"
 """Where a folder of results holds one file per box."""
@@ -28,20 +28,21 @@ T = TypeVar("T", bound=BoxTask)
 R = TypeVar("R")
 
 
-def each_done(work: Callable[[T], R], tasks: Sequence[T], *, workers: int) -> Iterator[tuple[T, R]]:
+def each_done(work: Callable[[T], R], tasks: Sequence[T], *, workers: int, what: str = "box") -> Iterator[tuple[T, R]]:
     """Yield each task with what came of it, as they are done.
 
     Args:
         work: What to do, a function of a module.
         tasks: On which boxes.
         workers: Processes, one thread each.
+        what: What a task is about, for the message.
 
     Raises:
         DataError: If a worker process died twice on one box.
     """
     for task, result in LocalEngine(workers).run(work, tasks):
         if isinstance(result, Dead):
-            raise DataError(f"box {task.number}: its worker process died twice; lower --workers and run the same command again")
+            raise DataError(f"{what} {task.number}: its worker process died twice; lower --workers, run the same command again")
         yield task, result
 
 
@@ -50,6 +51,6 @@ def box_file(folder: Path, number: int) -> Path:
     return folder / BOXES / f"box{number:05d}.json"
 
 
-def rig_digest(settings: VolumeSettings) -> str:
+def rig_digest(settings: Question) -> str:
     """Return a fingerprint of the rig: a file of that name may have changed."""
     return hashlib.sha256(repr(settings.stations()).encode()).hexdigest()[:16]

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 
-from viewgain.arrays import Vector
+from viewgain.arrays import Mask, Poses, Vector
+from viewgain.camera import Sensor
 from viewgain.errors import ConfigError, ModelError
-from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings
 from viewgain.gain import unrolled
 from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
@@ -24,6 +25,8 @@ from viewgain.plan import (
     choose,
     visited_among,
 )
+from viewgain.rigs import Rig
+from viewgain.scans import Scan
 
 UNIFORM, CONSTANT, OFFSET, ORACLE = "uniform guess", "constant position", "constant offset", "oracle"
 """Rows that need no decision made on a scan."""
@@ -43,7 +46,54 @@ class Choice:
     """By how much the policy prefers it to the next best position, in the unit of its scores; 0 without an opinion."""
 
 
-Maker = Callable[[VolumeCase], ViewPolicy]
+class Question(Protocol):
+    """What is asked about every case."""
+
+    @property
+    def fused(self) -> bool:
+        """Whether a position is worth what its scan and the present one say together."""
+        ...
+
+    def stations(self) -> Rig:
+        """Return the rig."""
+        ...
+
+
+class DecisionCase(Protocol):
+    """A case as far as a decision goes: one scan, and where the camera may go from there."""
+
+    @property
+    def settings(self) -> Question:
+        """What was asked."""
+        ...
+
+    @property
+    def camera(self) -> Sensor:
+        """The camera as its data sheet has it."""
+        ...
+
+    @property
+    def stations(self) -> Poses:
+        """(V, 4, 4) ``camera_to_world`` of the positions."""
+        ...
+
+    @property
+    def reachable(self) -> Mask:
+        """(V,) where the camera may go."""
+        ...
+
+    @property
+    def present(self) -> int:
+        """Where it stands."""
+        ...
+
+    @property
+    def seen(self) -> Scan | None:
+        """The scan to decide by."""
+        ...
+
+
+Maker = Callable[[DecisionCase], ViewPolicy]
 """Gives the policy that decides on a case."""
 DECIDING: Mapping[str, Maker] = {
     "expected": lambda case: _expected(case),
@@ -75,7 +125,7 @@ def is_from_file(name: str) -> bool:
     return name.partition(":")[0] in FROM_FILE and len(name.partition(":")[2]) > 0
 
 
-def policy_of(name: str, case: VolumeCase) -> ViewPolicy:
+def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
     """Return the policy of a name for a case.
 
     Raises:
@@ -88,11 +138,11 @@ def policy_of(name: str, case: VolumeCase) -> ViewPolicy:
     return CombinedPolicy(_expected(case), network) if name.startswith("combined:") else network
 
 
-def _expected(case: VolumeCase) -> OnBelief:
+def _expected(case: DecisionCase) -> OnBelief:
     return OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera)
 
 
-def network_of(name: str, settings: VolumeSettings) -> ViewPolicy:
+def network_of(name: str, settings: Question) -> ViewPolicy:
     """Return the policy of the network in a name, ``network:FILE`` or ``combined:FILE``; raises as :func:`policy_of`."""
     return _network_policy(name.partition(":")[2], rig=settings.stations().name)
 
@@ -133,7 +183,7 @@ class StationNetworkPolicy:
         return unrolled(self.scorer.scores(seen.scans[-1].points, frame="camera"), present)
 
 
-def choice(case: VolumeCase, policy: ViewPolicy) -> Choice:
+def choice(case: DecisionCase, policy: ViewPolicy) -> Choice:
     """Return where a policy goes from the scan to decide by; any reachable position may be taken, the present one too.
 
     Without an opinion the camera leaves: where it stands the scan was good for nothing.
@@ -149,7 +199,7 @@ def choice(case: VolumeCase, policy: ViewPolicy) -> Choice:
     return Choice(place, True, float(scores[place] - known.max()) if len(known) else 0.0)
 
 
-def seen_of(case: VolumeCase) -> Seen:
+def seen_of(case: DecisionCase) -> Seen:
     """Return what a policy knows of a case: one scan, or none where the camera sees next to nothing."""
     scan = case.seen
     stand = case.stations[case.present] if scan is None or scan.camera_to_world is None else scan.camera_to_world

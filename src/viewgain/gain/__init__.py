@@ -50,11 +50,13 @@ from viewgain.gain._protocol import PAPER as PAPER
 from viewgain.gain._protocol import PCNBV as PCNBV
 from viewgain.gain._protocol import CoverageProtocol as CoverageProtocol
 from viewgain.gain._search import Search as Search
+from viewgain.gain._station_scans import BoxScans as BoxScans
+from viewgain.gain._station_scans import MeshScans as MeshScans
+from viewgain.gain._station_scans import StationScans as StationScans
+from viewgain.gain._station_scans import believed_scan as believed_scan
 from viewgain.gain._tof import BorderTerm as BorderTerm
 from viewgain.gain._tof import BoxViews as BoxViews
 from viewgain.gain._tof import IncidenceTerm as IncidenceTerm
-from viewgain.gain._volume_errors import BoxScans as BoxScans
-from viewgain.gain._volume_errors import believed_scan as believed_scan
 from viewgain.gain._volume_errors import fused_errors as fused_errors
 from viewgain.gain._volume_errors import measured_scan as measured_scan
 from viewgain.gain._volume_errors import volume_errors as volume_errors

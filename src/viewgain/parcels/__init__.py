@@ -22,6 +22,9 @@ from viewgain.parcels._smallest import Cuboid as Cuboid
 from viewgain.parcels._smallest import smallest_box as smallest_box
 from viewgain.parcels._smallest import smallest_rectangle as smallest_rectangle
 from viewgain.parcels._smallest import upright_box as upright_box
+from viewgain.parcels._standing import Standing as Standing
+from viewgain.parcels._standing import standing as standing
+from viewgain.parcels._standing import standing_points as standing_points
 from viewgain.parcels._statistics import FEATURES as FEATURES
 from viewgain.parcels._statistics import QUANTITIES as QUANTITIES
 from viewgain.parcels._statistics import features as features

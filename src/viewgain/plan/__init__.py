@@ -2,6 +2,8 @@
 
 from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
+from viewgain.plan._any_shape import ColumnsPolicy as ColumnsPolicy
+from viewgain.plan._any_shape import WatchedPolicy as WatchedPolicy
 from viewgain.plan._around import believe as believe
 from viewgain.plan._automatic import AutomaticPolicy as AutomaticPolicy
 from viewgain.plan._belief import Belief as Belief
