@@ -29,7 +29,7 @@ from viewgain.plan import (
     showing,
 )
 
-BOXES = 1500
+BOXES = 695
 """Boxes that the shipped one is fitted to."""
 FOLDS = 5
 STEPS, BATCH, RATE, DECAY = 4000, 256, 3e-3, 0.3
