@@ -8,7 +8,6 @@ from viewgain.arrays import Mask, Points, Pose, Vector
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.gain import GridKnown, Objective
 from viewgain.geometry import inverse, transform
-from viewgain.parcels import hull_volume, standing, standing_points
 from viewgain.plan._views import Seen
 from viewgain.plan._volumetric import Mapper, VolumetricPolicy
 from viewgain.voxels import CERTAIN, Lattice
@@ -67,6 +66,8 @@ class ColumnsPolicy:
 
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) hull volumes, cubic metres, of what was seen and what a candidate sees of the columns; NaN without any."""
+        from viewgain.parcels import hull_volume  # plain measuring loads the planner's words, and need not load this
+
         points = seen_points(seen, self.sensor)
         if not len(points):
             return np.full(len(seen.candidates), np.nan)
@@ -79,6 +80,8 @@ class ColumnsPolicy:
 
 def seen_points(seen: Seen, sensor: Sensor) -> Points:
     """Return (n, 3) points of all scans of what stands on the floor z = 0, world frame, metres; (0, 3) without any."""
+    from viewgain.parcels import standing, standing_points  # as above
+
     parts = [standing(scan, camera=sensor) for scan in seen.scans]
     return standing_points([part for part in parts if part is not None])
 
