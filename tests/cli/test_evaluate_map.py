@@ -9,7 +9,7 @@ import pytest
 from tests.oracles.networks_on_disk import exported
 from viewgain.cli import main
 from viewgain.evaluation import VolumeSettings, volume_case
-from viewgain.evaluation._volume_choices import seen_of
+from viewgain.evaluation._choice import seen_of
 from viewgain.inference import PoseScorer
 from viewgain.network import NetworkSettings
 from viewgain.plan import VolumeNetworkPolicy

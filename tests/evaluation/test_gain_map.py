@@ -19,7 +19,7 @@ from viewgain.evaluation import (
     valued,
     volume_case,
 )
-from viewgain.evaluation._volume_choices import seen_of
+from viewgain.evaluation._choice import seen_of
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan import CombinedPolicy, CovariancePolicy, ExpectedErrorPolicy, FarthestPolicy, OnBelief, Seen, ViewPolicy

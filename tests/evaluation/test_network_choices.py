@@ -10,7 +10,8 @@ import pytest
 from tests.oracles.networks_on_disk import exported, small_settings
 from viewgain.errors import ConfigError, ModelError
 from viewgain.evaluation import VolumeSettings, choice, run_boxes, volume_case
-from viewgain.evaluation._volume_choices import StationNetworkPolicy, seen_of
+from viewgain.evaluation._choice import seen_of
+from viewgain.evaluation._volume_choices import StationNetworkPolicy
 from viewgain.inference import Scorer
 
 SETTINGS = VolumeSettings(seed=2, captures=2, estimator="lines_published", side=(0.2, 0.5))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from viewgain.evaluation import VolumeSettings, volume_case
-from viewgain.evaluation._volume_choices import choice
+from viewgain.evaluation._choice import choice
 from viewgain.plan import Seen
 
 

@@ -5,6 +5,8 @@ from viewgain.evaluation._bootstrap import median_by_object as median_by_object
 from viewgain.evaluation._bootstrap import quotient_of_groups as quotient_of_groups
 from viewgain.evaluation._bootstrap import ratio_by_object as ratio_by_object
 from viewgain.evaluation._bootstrap import shares_by_object as shares_by_object
+from viewgain.evaluation._choice import Choice as Choice
+from viewgain.evaluation._choice import choice as choice
 from viewgain.evaluation._claim import claim as claim
 from viewgain.evaluation._claim import damaged as damaged
 from viewgain.evaluation._claim import kept_text as kept_text
@@ -98,9 +100,7 @@ from viewgain.evaluation._table2 import table2_markdown as table2_markdown
 from viewgain.evaluation._volume_case import VolumeSettings as VolumeSettings
 from viewgain.evaluation._volume_case import case_errors as case_errors
 from viewgain.evaluation._volume_case import volume_case as volume_case
-from viewgain.evaluation._volume_choices import Choice as Choice
 from viewgain.evaluation._volume_choices import check_volume_policies as check_volume_policies
-from viewgain.evaluation._volume_choices import choice as choice
 from viewgain.evaluation._volume_confidence import opinions_of as opinions_of
 from viewgain.evaluation._volume_runs import VolumeRun as VolumeRun
 from viewgain.evaluation._volume_runs import run_boxes as run_boxes

@@ -7,7 +7,7 @@ from typing import Protocol, TypeVar
 
 from viewgain.datasets import Dead, LocalEngine
 from viewgain.errors import DataError
-from viewgain.evaluation._volume_choices import Question
+from viewgain.evaluation._choice import Question
 
 BOXES = "boxes"
 """Where a folder of results holds one file per box."""
@@ -44,6 +44,34 @@ def each_done(work: Callable[[T], R], tasks: Sequence[T], *, workers: int, what:
         if isinstance(result, Dead):
             raise DataError(f"{what} {task.number}: its worker process died twice; lower --workers, run the same command again")
         yield task, result
+
+
+def all_done(
+    work: Callable[[T], R],
+    tasks: Sequence[T],
+    *,
+    workers: int,
+    keep: Callable[[T, R], None],
+    watch: Watcher,
+    what: str = "box",
+) -> list[R]:
+    """Return what came of each task, in their order; raises as :func:`each_done`.
+
+    Args:
+        work: What to do, a function of a module.
+        tasks: On which boxes, each once.
+        workers: Processes.
+        keep: Is given each result as it is done.
+        watch: Is told how far it is.
+        what: What a task is about, for the message.
+    """
+    done: dict[int, R] = {}
+    watch(0, len(tasks))
+    for task, result in each_done(work, tasks, workers=workers, what=what):
+        keep(task, result)
+        done[task.number] = result
+        watch(len(done), len(tasks))
+    return [done[task.number] for task in tasks]
 
 
 def box_file(folder: Path, number: int) -> Path:

@@ -7,10 +7,11 @@ import numpy as np
 
 from viewgain.arrays import Vector
 from viewgain.errors import ConfigError
+from viewgain.evaluation._choice import seen_of
 from viewgain.evaluation._map_values import Meaning, Valued, rank_correlation, valued
 from viewgain.evaluation._position_scores import PositionScores, best_positions, position_scores
 from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, errors_of_scans, volume_case
-from viewgain.evaluation._volume_choices import FLOORS, check_volume_policies, policy_of, seen_of
+from viewgain.evaluation._volume_choices import FLOORS, check_volume_policies, policy_of
 from viewgain.plan import choose
 from viewgain.rigs import Target
 

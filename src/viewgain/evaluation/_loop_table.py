@@ -13,7 +13,8 @@ from viewgain.evaluation._bootstrap import Shares, difference_by_object, median_
 from viewgain.evaluation._loop_case import LoopSettings
 from viewgain.evaluation._loop_play import LoopPlay
 from viewgain.evaluation._loop_policies import FEWEST, RANDOM
-from viewgain.evaluation._ratios import Ratio, ratio
+from viewgain.evaluation._quantity import Quantity
+from viewgain.evaluation._ratios import ratio
 from viewgain.evaluation._volume_table import finite
 
 LOOP_COLUMNS = ("views_to_stop", "never_stopped", "views_to_tolerance", "never_within_tolerance", "final_error")
@@ -35,9 +36,9 @@ class LoopRow:
     """Median final error."""
     within_when_stopped: Shares | None
     """Share of boxes with a final error within the tolerance, of those on which the stop rule fired; None if it never did."""
-    to_oracle: Ratio | None
+    to_oracle: Quantity | None
     """Mean views until the rule fired, over the oracle's; None where the oracle was not asked."""
-    to_oracle_within: Ratio | None
+    to_oracle_within: Quantity | None
     """The same of the views until the true error was within the tolerance."""
     less_random: Shares | None
     """Means of :data:`COMPARED` less those of the random policy on the same boxes; None where that did not play."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from viewgain.evaluation._bootstrap import Shares
 from viewgain.evaluation._loop_table import LoopRow, LoopTable
 from viewgain.evaluation._markdown import markdown_table
-from viewgain.evaluation._ratios import Ratio
+from viewgain.evaluation._quantity import Quantity
 
 _HEADER = (
     "",
@@ -78,5 +78,5 @@ def _of(shares: Shares, column: int, times: float = 1.0, digits: int = 2) -> str
     return f"{mean:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
-def _ratio(value: Ratio | None) -> str:
+def _ratio(value: Quantity | None) -> str:
     return "" if value is None else f"{value.value:.2f} ({value.low:.2f} to {value.high:.2f})"

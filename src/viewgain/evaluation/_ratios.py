@@ -1,31 +1,18 @@
 """Ratios of two means over the same boxes, with intervals."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from viewgain.errors import DataError
 from viewgain.evaluation._bootstrap import DRAWS, drawn_weights
+from viewgain.evaluation._quantity import Quantity
 
 
-@dataclass(frozen=True, slots=True)
-class Ratio:
-    """One mean over another."""
-
-    value: float
-    """Mean of the first over mean of the second; infinite where the second is 0."""
-    low: float
-    """Lower end of the 95 % interval."""
-    high: float
-    """Upper end."""
-
-
-def ratio(first: ArrayLike, second: ArrayLike, *, rng: np.random.Generator, draws: int = DRAWS) -> Ratio:
+def ratio(first: ArrayLike, second: ArrayLike, *, rng: np.random.Generator, draws: int = DRAWS) -> Quantity:
     """Return mean(first) / mean(second) of (B,) values of the same boxes, with the 95 % interval over boxes drawn anew.
 
     The ratio of the means, not the mean of the ratios: a box that the oracle measures almost without error would rule the latter.
-    0 / 0 is 1, since neither is more than the other.
+    Infinite where the second mean is 0, but 0 / 0 is 1, since neither is more than the other.
 
     Raises:
         DataError: If there is no box.
@@ -35,7 +22,7 @@ def ratio(first: ArrayLike, second: ArrayLike, *, rng: np.random.Generator, draw
         raise DataError("evaluation: got no boxes, wanted some")
     drawn = _divided(drawn_weights(len(table), rng, draws) @ table)
     low, high = np.quantile(drawn, [0.025, 0.975], method="inverted_cdf")
-    return Ratio(float(_divided(table.sum(axis=0)[None])[0]), float(low), float(high))
+    return Quantity(float(_divided(table.sum(axis=0)[None])[0]), float(low), float(high))
 
 
 def _divided(sums: np.ndarray) -> np.ndarray:

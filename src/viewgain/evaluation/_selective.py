@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from viewgain.arrays import Array, Indices, Vector
+from viewgain.evaluation._quantity import Quantity
 from viewgain.evaluation._risk import KEPT, risk_coverage, risks_at
 from viewgain.evaluation._wilson import wilson
 
@@ -15,15 +16,6 @@ DRAWS = 500
 """How often the decisions are drawn anew: each draw orders them twice, so fewer than for plain means."""
 BINS = 5
 """Groups of equally many decisions, by their confidence."""
-
-
-@dataclass(frozen=True, slots=True)
-class Interval:
-    """A number with its 95 % interval, decisions drawn anew."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,19 +58,19 @@ class Selective:
     """At the shares of :data:`viewgain.evaluation.KEPT`."""
     bins: tuple[Bin, ...]
     """Predicted and observed, from unsure to sure."""
-    calibration_error: Interval
+    calibration_error: Quantity
     """Mean of \\|said - found\\| over the bins, by their size."""
     by_chance: float
     """What that would be on average if every confidence were right: it is never 0 with few decisions."""
-    area: Interval
+    area: Quantity
     """Mean risk over all shares kept, the area under the curve, by the confidence."""
-    area_by_margin: Interval
+    area_by_margin: Quantity
     """The same by the margin between the best and the next best score."""
     area_at_random: float
     """The same in random order: the risk of all."""
     area_by_truth: float
     """The same by the truth: nobody can do better."""
-    gain: Interval
+    gain: Quantity
     """Area at random minus area by the confidence, the same decisions drawn for both; positive where it tells bad ones apart."""
     steps: tuple[float, ...]
     """(n,) shares kept of the curves."""
@@ -116,13 +108,13 @@ def selective(
     return Selective(
         kept=_kept(sure, good, np.asarray(error, dtype=float), np.asarray(oracle, dtype=float)),
         bins=bins_of(sure, good),
-        calibration_error=_interval(calibration_error(sure, good), errors),
+        calibration_error=_quantity(calibration_error(sure, good), errors),
         by_chance=float(np.mean(honest)),
-        area=_interval(area, areas[:, 0]),
-        area_by_margin=_interval(_area(ahead, good), areas[:, 1]),
+        area=_quantity(area, areas[:, 0]),
+        area_by_margin=_quantity(_area(ahead, good), areas[:, 1]),
         area_at_random=float(1 - good.mean()),
         area_by_truth=_area(good, good),
-        gain=_interval(float(1 - good.mean()) - area, areas[:, 2] - areas[:, 0]),
+        gain=_quantity(float(1 - good.mean()) - area, areas[:, 2] - areas[:, 0]),
         steps=STEPS,
         curve=curves["sure"],
         curve_by_margin=curves["ahead"],
@@ -163,6 +155,6 @@ def _kept(sure: Vector, good: Vector, error: Vector, oracle: Vector) -> tuple[Ke
     return tuple(Kept(*row) for row in zip(KEPT, least, *columns, strict=True))
 
 
-def _interval(value: float, drawn: Array) -> Interval:
+def _quantity(value: float, drawn: Array) -> Quantity:
     low, high = np.quantile(drawn, [0.025, 0.975])
-    return Interval(value, float(low), float(high))
+    return Quantity(value, float(low), float(high))

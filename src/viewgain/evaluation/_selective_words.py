@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 
 from viewgain.evaluation._markdown import markdown_table
-from viewgain.evaluation._selective import Interval, Kept, Selective
+from viewgain.evaluation._quantity import Quantity
+from viewgain.evaluation._selective import Kept, Selective
 
 _KEPT = ("kept", "chance of the least sure", "within 2 points, %", "mean error, %", "the oracle's, %", "to the oracle's")
 _WORTH = ("calibration error", "if all were right", "area", "by margins", "in random order", "by the truth", "gain over random")
@@ -49,5 +50,5 @@ def _kept(each: Kept) -> tuple[str, ...]:
     return (f"{each.share:.0%}", f"{each.least:.2f}", *numbers, ratio)
 
 
-def _interval(each: Interval) -> str:
+def _interval(each: Quantity) -> str:
     return f"{each.value:.3f} ({each.low:.3f} to {each.high:.3f})"

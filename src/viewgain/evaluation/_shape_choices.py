@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 
 from viewgain.errors import ConfigError
-from viewgain.evaluation._volume_choices import DECIDING, FLOORS, FROM_FILE, DecisionCase, Maker, is_from_file, policy_of
+from viewgain.evaluation._choice import DecisionCase
+from viewgain.evaluation._volume_choices import DECIDING, Maker, check_policies, policy_of
 from viewgain.gain import VOLUMETRIC
 from viewgain.inference import VOLUME_MODEL
 from viewgain.plan import AutomaticPolicy, ColumnsPolicy, FarthestPolicy, OnBelief, ViewPolicy, WatchedPolicy
@@ -35,17 +36,14 @@ SHAPE_DECIDING: Mapping[str, Maker] = {
 
 
 def check_shape_policies(names: tuple[str, ...]) -> None:
-    """Refuse names of policies that are not known, or given twice.
+    """Refuse no name at all, and names of policies that are not known, or given twice.
 
     Raises:
         ConfigError: Saying which.
     """
-    for name in names:
-        if name not in SHAPE_DECIDING and name not in FLOORS and not is_from_file(name):
-            known = ", ".join([*SHAPE_DECIDING, *FLOORS, *(f"{kind}:FILE" for kind in FROM_FILE)])
-            raise ConfigError(f"policy {name!r} is not known; choose from {known}")
-    if not names or len(set(names)) < len(names):
-        raise ConfigError(f"policies: got {', '.join(names) or 'none'}, wanted at least one, and each once")
+    if not names:
+        raise ConfigError("policies: got none, wanted at least one, and each once")
+    check_policies(names, SHAPE_DECIDING)
 
 
 def shape_policy(name: str, case: DecisionCase) -> ViewPolicy:

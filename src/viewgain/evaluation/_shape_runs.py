@@ -4,18 +4,18 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from time import process_time
 
 import numpy as np
 
 from viewgain.arrays import Array, Mask
 from viewgain.datasets import write_whole
-from viewgain.evaluation._box_results import Watcher, each_done, rig_digest
+from viewgain.evaluation._box_results import Watcher, all_done, rig_digest
+from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim, damaged, kept_text
 from viewgain.evaluation._shape_case import VOLUMES, first_errors, shape_case, shape_errors
 from viewgain.evaluation._shape_choices import SHAPE_DECIDING, shape_policy
 from viewgain.evaluation._shape_settings import ShapeSettings
-from viewgain.evaluation._volume_choices import Choice, choice, is_from_file, network_of
+from viewgain.evaluation._volume_choices import is_from_file, network_of
 from viewgain.evaluation._volume_table import finite
 
 OBJECTS = "objects"
@@ -94,25 +94,18 @@ def run_shapes(
         )
         for number in range(objects)
     ]
-    done: dict[int, ShapeRun] = {}
-    watch(0, objects)
-    for task, run in each_done(_worked_out, tasks, workers=workers, what="object"):
+
+    def keep(task: _Task, run: ShapeRun) -> None:
         if folder is not None and task.known is None:
             write_whole(_file(folder, run.number), _truth(run).encode())
-        done[run.number] = run
-        watch(len(done), objects)
-    return [done[number] for number in range(objects)]
+
+    return all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch, what="object")
 
 
 def _worked_out(task: _Task) -> ShapeRun:
     case = shape_case(task.settings, task.number)
     first, errors = (first_errors(case), shape_errors(case)) if task.known is None else task.known
-    choices, spent = {}, {}
-    for name in task.policies:
-        policy = shape_policy(name, case)
-        start = process_time()
-        choices[name] = choice(case, policy)
-        spent[name] = 1e3 * (process_time() - start)
+    choices, spent = decisions(case, task.policies, shape_policy)
     return ShapeRun(
         number=task.number,
         category=case.category,

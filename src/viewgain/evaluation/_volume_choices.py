@@ -1,15 +1,14 @@
-"""Which position each policy takes on a fresh box, from one scan of the present one."""
+"""Policies by the names that commands have for them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol
 
 import numpy as np
 
-from viewgain.arrays import Mask, Poses, Vector
-from viewgain.camera import Sensor
+from viewgain.arrays import Vector
 from viewgain.errors import ConfigError, ModelError
+from viewgain.evaluation._choice import DecisionCase, Question
 from viewgain.gain import unrolled
 from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
@@ -22,75 +21,12 @@ from viewgain.plan import (
     Seen,
     ViewPolicy,
     VolumeNetworkPolicy,
-    choose,
-    visited_among,
 )
-from viewgain.rigs import Rig
-from viewgain.scans import Scan
 
 UNIFORM, CONSTANT, OFFSET, ORACLE = "uniform guess", "constant position", "constant offset", "oracle"
 """Rows that need no decision made on a scan."""
 FLOORS = {"random": (UNIFORM,), "constant": (CONSTANT, OFFSET), "oracle": (ORACLE,)}
 """The rows that each of these names asks for."""
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """What a policy says of one box."""
-
-    position: int
-    """Where to go; the farthest position in reach where the policy has no opinion."""
-    has_opinion: bool
-    """Whether it had one."""
-    margin: float = 0.0
-    """By how much the policy prefers it to the next best position, in the unit of its scores; 0 without an opinion."""
-
-
-class Question(Protocol):
-    """What is asked about every case."""
-
-    @property
-    def fused(self) -> bool:
-        """Whether a position is worth what its scan and the present one say together."""
-        ...
-
-    def stations(self) -> Rig:
-        """Return the rig."""
-        ...
-
-
-class DecisionCase(Protocol):
-    """A case as far as a decision goes: one scan, and where the camera may go from there."""
-
-    @property
-    def settings(self) -> Question:
-        """What was asked."""
-        ...
-
-    @property
-    def camera(self) -> Sensor:
-        """The camera as its data sheet has it."""
-        ...
-
-    @property
-    def stations(self) -> Poses:
-        """(V, 4, 4) ``camera_to_world`` of the positions."""
-        ...
-
-    @property
-    def reachable(self) -> Mask:
-        """(V,) where the camera may go."""
-        ...
-
-    @property
-    def present(self) -> int:
-        """Where it stands."""
-        ...
-
-    @property
-    def seen(self) -> Scan | None:
-        """The scan to decide by."""
-        ...
 
 
 Maker = Callable[[DecisionCase], ViewPolicy]
@@ -112,9 +48,14 @@ def check_volume_policies(names: tuple[str, ...]) -> None:
     Raises:
         ConfigError: Saying which.
     """
+    check_policies(names, DECIDING)
+
+
+def check_policies(names: tuple[str, ...], deciding: Mapping[str, Maker]) -> None:
+    """Refuse names that are neither of ``deciding`` nor floors nor networks, or given twice; raises as above."""
     for name in names:
-        if name not in DECIDING and name not in FLOORS and not is_from_file(name):
-            known = ", ".join([*DECIDING, *FLOORS, *(f"{kind}:FILE" for kind in FROM_FILE)])
+        if name not in deciding and name not in FLOORS and not is_from_file(name):
+            known = ", ".join([*deciding, *FLOORS, *(f"{kind}:FILE" for kind in FROM_FILE)])
             raise ConfigError(f"policy {name!r} is not known; choose from {known}")
     if len(set(names)) < len(names):
         raise ConfigError(f"policies: got {', '.join(names)}, wanted each once")
@@ -181,33 +122,3 @@ class StationNetworkPolicy:
         here = seen.stands[-1, :3, 3]
         present = int(np.argmin(np.linalg.norm(seen.candidates[:, :3, 3] - here, axis=1)))
         return unrolled(self.scorer.scores(seen.scans[-1].points, frame="camera"), present)
-
-
-def choice(case: DecisionCase, policy: ViewPolicy) -> Choice:
-    """Return where a policy goes from the scan to decide by; any reachable position may be taken, the present one too.
-
-    Without an opinion the camera leaves: where it stands the scan was good for nothing.
-    """
-    seen = seen_of(case)
-    scores = policy.scores(seen)
-    place = choose(scores, case.reachable)
-    if place is None or not np.isfinite(scores[place]):
-        away = choose(FarthestPolicy().scores(seen), case.reachable)
-        return Choice(case.present if away is None else away, False)
-    others = np.delete(scores, place)[np.delete(case.reachable, place)]
-    known = others[np.isfinite(others)]
-    return Choice(place, True, float(scores[place] - known.max()) if len(known) else 0.0)
-
-
-def seen_of(case: DecisionCase) -> Seen:
-    """Return what a policy knows of a case: one scan, or none where the camera sees next to nothing."""
-    scan = case.seen
-    stand = case.stations[case.present] if scan is None or scan.camera_to_world is None else scan.camera_to_world
-    stands = stand[None]
-    return Seen(
-        () if scan is None else (scan,),
-        stands,
-        case.stations,
-        visited_among(case.stations, stands),
-        case.camera.intrinsics,
-    )

@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from viewgain.evaluation._choice import seen_of
 from viewgain.evaluation._volume_case import VolumeCase
-from viewgain.evaluation._volume_choices import seen_of
 from viewgain.inference import VOLUME_MODEL, PoseScorer
 from viewgain.plan import (
     ExpectedErrorPolicy,

@@ -5,16 +5,16 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import process_time
 
 import numpy as np
 
 from viewgain.arrays import Array, Mask, Vector
 from viewgain.datasets import write_whole
-from viewgain.evaluation._box_results import BOXES, Watcher, box_file, each_done, rig_digest
+from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file, rig_digest
+from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim, damaged, kept_text
 from viewgain.evaluation._volume_case import VolumeSettings, case_errors, volume_case
-from viewgain.evaluation._volume_choices import DECIDING, Choice, choice, is_from_file, network_of, policy_of
+from viewgain.evaluation._volume_choices import DECIDING, is_from_file, network_of, policy_of
 from viewgain.evaluation._volume_confidence import opinions_of
 from viewgain.plan import decision_numbers
 
@@ -90,25 +90,18 @@ def run_boxes(
         )
         for number in range(boxes)
     ]
-    done: dict[int, VolumeRun] = {}
-    watch(0, boxes)
-    for task, run in each_done(_worked_out, tasks, workers=workers):
+
+    def keep(task: _Task, run: VolumeRun) -> None:
         if folder is not None and task.known is None:
             write_whole(box_file(folder, run.number), _truth(run).encode())
-        done[run.number] = run
-        watch(len(done), boxes)
-    return [done[number] for number in range(boxes)]
+
+    return all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch)
 
 
 def _worked_out(task: _Task) -> VolumeRun:
     case = volume_case(task.settings, task.number)
     errors = case_errors(case) if task.known is None else task.known
-    choices, spent = {}, {}
-    for name in task.policies:
-        policy = policy_of(name, case)
-        start = process_time()
-        choices[name] = choice(case, policy)
-        spent[name] = 1e3 * (process_time() - start)
+    choices, spent = decisions(case, task.policies, policy_of)
     opinions = opinions_of(case) if choices and task.settings.estimator == "default" else None
     sides = tuple(float(side) for side in case.box.extents)
     return VolumeRun(

@@ -12,7 +12,8 @@ from viewgain.errors import DataError
 from viewgain.evaluation._bootstrap import Shares, shares_by_object
 from viewgain.evaluation._decisions import JUDGED, constant_choices, guessed, judged
 from viewgain.evaluation._position_scores import PositionScores, agreement, best_positions, position_scores
-from viewgain.evaluation._ratios import Ratio, ratio
+from viewgain.evaluation._quantity import Quantity
+from viewgain.evaluation._ratios import ratio
 from viewgain.evaluation._risk import risks_at
 from viewgain.evaluation._selective import Selective, selective
 from viewgain.evaluation._volume_case import VolumeSettings
@@ -32,9 +33,9 @@ class VolumeRow:
     """What chooses."""
     shares: Shares
     """Best position, within 2 points of relative error of the best, expected error of the chosen position."""
-    of_ceiling: Ratio
+    of_ceiling: Quantity
     """Share of best positions over the ceiling."""
-    to_oracle: Ratio
+    to_oracle: Quantity
     """Mean error over that of the oracle's choice."""
     kept: tuple[float, ...] = ()
     """Mean of how much worse than the best position its choice is, over the 50, 70, 90 and 100 % of boxes where it expects to be

@@ -2,7 +2,7 @@
 
 from viewgain.evaluation._bootstrap import Shares
 from viewgain.evaluation._markdown import markdown_table
-from viewgain.evaluation._ratios import Ratio
+from viewgain.evaluation._quantity import Quantity
 from viewgain.evaluation._risk import KEPT
 from viewgain.evaluation._selective_words import selective_markdown
 from viewgain.evaluation._volume_table import VolumeTable
@@ -61,5 +61,5 @@ def _share(shares: Shares, column: int, digits: int = 1) -> str:
     return f"{mean:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
-def _ratio(value: Ratio) -> str:
+def _ratio(value: Quantity) -> str:
     return f"{value.value:.2f} ({value.low:.2f} to {value.high:.2f})"

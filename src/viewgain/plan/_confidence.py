@@ -5,7 +5,6 @@ simulated boxes of which the truth is known from many scans (``python -m benchma
 from what model and network say of the choice, so decisions of different policies can be compared.
 """
 
-import json
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,10 +14,10 @@ import numpy as np
 from scipy.special import expit, logit
 
 from viewgain.arrays import Vector
-from viewgain.errors import ModelError
 from viewgain.plan._error_model import WITHIN
 from viewgain.plan._nearly_best import LEAST, chance_of_nearly_best
 from viewgain.plan._opinions import Opinions
+from viewgain.plan._packaged import packaged
 
 FILE = Path(__file__).parent / "confidence.json"
 """The one that comes with the package."""
@@ -102,7 +101,4 @@ def shipped_confidence() -> Confidence:
     Raises:
         ModelError: If its file is missing or broken.
     """
-    try:
-        return confidence_from(json.loads(FILE.read_text(encoding="utf-8")))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ModelError(f"{FILE}: is missing or broken ({error}); install viewgain anew") from error
+    return packaged(FILE, confidence_from)

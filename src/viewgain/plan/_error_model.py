@@ -4,7 +4,6 @@ A small perceptron, fitted to many runs of the real estimator (``python -m bench
 the physical guess, by no more than ``MOST_SHIFT``: far from all it was fitted to, physics still has its say.
 """
 
-import json
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from viewgain.arrays import Array, Vector
-from viewgain.errors import ModelError
+from viewgain.plan._packaged import packaged
 
 FILE = Path(__file__).parent / "error_model.json"
 """The one that comes with the package."""
@@ -71,7 +70,4 @@ def shipped_error_model() -> ErrorModel:
     Raises:
         ModelError: If its file is missing or broken.
     """
-    try:
-        return error_model_from(json.loads(FILE.read_text(encoding="utf-8")))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ModelError(f"{FILE}: is missing or broken ({error}); install viewgain anew") from error
+    return packaged(FILE, error_model_from)

@@ -74,23 +74,23 @@ def next_view(
     measured = _measured(current, camera, pose_sigma)
     _require_standpoint(measured)
     believed = believe(measured, sensor_of(camera))
+    nothing = NextView(
+        rig=stations.name,
+        policy=decider.name,
+        current=measured,
+        candidates=(),
+        best=None,
+        stop=False,
+        within_tolerance=None,
+        tolerance=tolerance,
+        confidence=confidence,
+        target=np.zeros(3),
+        up=np.zeros(3),
+        reason=measured.reason,
+        objective=objective,
+    )
     if believed is None:
-        nowhere, nothing = np.zeros(3), measured.reason
-        return NextView(
-            stations.name,
-            decider.name,
-            measured,
-            (),
-            None,
-            False,
-            None,
-            tolerance,
-            confidence,
-            nowhere,
-            nowhere,
-            nothing,
-            objective,
-        )
+        return nothing
     if isinstance(decider, Delegating):
         decider = decider.deciding(believed)
     back = step_back(believed)
@@ -114,23 +114,18 @@ def next_view(
         abstention = abstention or judge.abstention(chance, best)
     if abstention is not None:
         best, reason = None, "abstains"
-    target, up = believed.mean.centre, believed.mean.floor.normal
-    return NextView(
-        stations.name,
-        decider.name,
-        measured,
-        candidates,
-        best,
-        for_volume and sure.enough,
-        sure.within_tolerance,
-        tolerance,
-        confidence,
-        target,
-        up,
-        reason,
-        objective,
-        abstention,
-        chance,
+    return replace(
+        nothing,
+        policy=decider.name,
+        candidates=candidates,
+        best=best,
+        stop=for_volume and sure.enough,
+        within_tolerance=sure.within_tolerance,
+        target=believed.mean.centre,
+        up=believed.mean.floor.normal,
+        reason=reason,
+        abstention=abstention,
+        nearly_best=chance,
     )
 
 
