@@ -14,9 +14,11 @@ from viewgain.evaluation import VolumeSettings, case_errors, choice, volume_case
 from viewgain.evaluation._box_results import rig_digest
 from viewgain.evaluation._claim import claim
 from viewgain.evaluation._volume_case import VolumeCase
+from viewgain.gain import volume_estimator
 from viewgain.measure import POSE_SIGMA, fuse
 from viewgain.plan import FarthestPolicy
 from viewgain.scans import Scan
+from viewgain.simulate import draw_range_error
 
 ARGUMENTS = ("--boxes", "2", "--captures", "2", "--estimator", "lines_published", "--side", "0.2", "0.5", "--seed", "5")
 
@@ -65,6 +67,37 @@ def test_the_table_is_that_of_scans_by_hand_and_a_second_run_takes_what_is_kept(
         said = capsys.readouterr().err
         assert f"{kept[1]}: is damaged" in said
         assert "Traceback" not in said
+
+
+def test_scans_by_other_cameras_are_added_to_what_is_kept(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """The slow twin gives the case another camera, one for each scan; what was kept before stays as it was."""
+    evaluated(capsys, "--policies", "random", "--out", tmp_path)
+    files = [tmp_path / "boxes" / f"box0000{number}.json" for number in range(2)]
+    before = [json.loads(file.read_text()) for file in files]
+    (row,) = evaluated(capsys, "--policies", "informed", "--out", tmp_path)["rows"]
+    after = [json.loads(file.read_text()) for file in files]
+    assert [{key: value for key, value in each.items() if key != "errors_by_others"} for each in after] == before
+    case = volume_case(VolumeSettings(seed=5, captures=2, estimator="lines_published", side=(0.2, 0.5)), 0)
+    rng = np.random.default_rng([5, 0x7635, 0])
+    measured = volume_estimator("lines_published", case.camera)
+    for k in range(2):
+        camera = replace(case.scans, error=draw_range_error(case.camera, rng=rng))
+        for view in np.flatnonzero(case.reachable):
+            scan = camera.scan(int(view), 5 + k)
+            error = np.nan if scan is None else measured(scan) / case.box.volume - 1
+            kept = after[0]["errors_by_others"][view][k]
+            assert (np.nan if kept is None else kept) == pytest.approx(error, nan_ok=True)
+    chosen = [np.argmin(np.mean(costs_of(each["errors_by_others"]), axis=1)) for each in after]
+    spent = [costs_of(each["errors"])[place, :2].mean() for place, each in zip(chosen, after, strict=True)]
+    assert row["shares"]["mean"][2] == pytest.approx(np.mean(spent))
+    files[1].write_text(json.dumps({**after[1], "errors_by_others": [[0.1]]}))
+    assert main(["evaluate", "volume", *ARGUMENTS, "--out", str(tmp_path)]) == 2
+    assert f"{files[1]}: is damaged" in capsys.readouterr().err
+
+
+def costs_of(rows: list[list[float | None]]) -> np.ndarray:
+    """Costs of errors as a file has them, in a rig all of which can be reached."""
+    return np.array([[1.0 if error is None else min(abs(error), 1.0) for error in row] for row in rows])
 
 
 def test_the_default_estimators_decisions_come_with_a_chance_and_a_picture(

@@ -121,3 +121,14 @@ def test_unknown_policies_are_refused() -> None:
             check_volume_policies((name,))
     with pytest.raises(ConfigError, match="each once"):
         check_volume_policies(("expected", "expected"))
+
+
+def test_who_goes_by_other_cameras_is_a_row_of_its_own() -> None:
+    runs = [
+        replace(run_of(k, 0, chosen=0), by_others=run_of(k + 9, 1 if k == 2 else 0, chosen=0).errors[:, :6]) for k in range(4)
+    ]
+    (row,) = volume_table(SETTINGS, runs, ("informed",)).rows
+    assert row.name == "informed (other cameras)"
+    assert row.shares.mean[0] == 0.75
+    with pytest.raises(DataError, match="by other cameras"):
+        volume_table(SETTINGS, [replace(run, by_others=None) for run in runs], ("informed",))

@@ -33,7 +33,7 @@ class EvaluateVolume(FreshBoxes):
     rig: str = "irregular4"
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     policies: tuple[str, ...] = ("expected", "covariance", "farthest", "constant", "random", "oracle")
-    """Who chooses: expected, covariance, farthest, constant, random, oracle, network:FILE.onnx, combined:FILE.onnx."""
+    """Who chooses: expected, covariance, farthest, constant, random, informed, oracle, network:FILE.onnx, combined:FILE.onnx."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 24

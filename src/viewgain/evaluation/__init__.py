@@ -98,10 +98,11 @@ from viewgain.evaluation._table1 import table1 as table1
 from viewgain.evaluation._table2 import table2 as table2
 from viewgain.evaluation._table2 import table2_markdown as table2_markdown
 from viewgain.evaluation._volume_case import VolumeSettings as VolumeSettings
-from viewgain.evaluation._volume_case import case_errors as case_errors
 from viewgain.evaluation._volume_case import volume_case as volume_case
 from viewgain.evaluation._volume_choices import check_volume_policies as check_volume_policies
 from viewgain.evaluation._volume_confidence import opinions_of as opinions_of
+from viewgain.evaluation._volume_errors import case_errors as case_errors
+from viewgain.evaluation._volume_errors import errors_by_others as errors_by_others
 from viewgain.evaluation._volume_runs import VolumeRun as VolumeRun
 from viewgain.evaluation._volume_runs import run_boxes as run_boxes
 from viewgain.evaluation._volume_table import VolumeRow as VolumeRow

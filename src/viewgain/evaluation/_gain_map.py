@@ -10,8 +10,9 @@ from viewgain.errors import ConfigError
 from viewgain.evaluation._choice import seen_of
 from viewgain.evaluation._map_values import Meaning, Valued, rank_correlation, valued
 from viewgain.evaluation._position_scores import PositionScores, best_positions, position_scores
-from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, errors_of_scans, volume_case
-from viewgain.evaluation._volume_choices import FLOORS, check_volume_policies, policy_of
+from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, volume_case
+from viewgain.evaluation._volume_choices import VOLUME_FLOORS, check_volume_policies, policy_of
+from viewgain.evaluation._volume_errors import errors_of_scans
 from viewgain.plan import choose
 from viewgain.rigs import Target
 
@@ -138,7 +139,7 @@ def _check_mapped(number: int, policies: Sequence[str]) -> None:
         raise ConfigError(f"evaluate map: got box {number}, wanted 0 or more")
     check_volume_policies(tuple(policies))
     for name in policies:
-        if name in FLOORS:
+        if name in VOLUME_FLOORS:
             raise ConfigError(f"evaluate map: policy {name!r} scores no positions; name policies that decide on a scan")
 
 

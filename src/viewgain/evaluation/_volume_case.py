@@ -1,24 +1,15 @@
-"""Fresh boxes from a seed, and what every position of a rig is worth for measuring each: what planners are held to."""
+"""Fresh boxes from a seed, and the cameras that look at them: what planners are asked about."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from viewgain.arrays import Array, Mask, Poses
+from viewgain.arrays import Mask, Poses
 from viewgain.box import Box
 from viewgain.camera import Sensor, sensor
-from viewgain.errors import ConfigError, ViewgainError
-from viewgain.gain import (
-    ESTIMATORS,
-    BoxScans,
-    VolumeEstimator,
-    believed_scan,
-    measured_scan,
-    measured_volume,
-    volume_estimator,
-)
-from viewgain.measure import POSE_SIGMA, Measurement, fuse_measurements
+from viewgain.errors import ConfigError
+from viewgain.gain import ESTIMATORS, BoxScans, believed_scan
+from viewgain.measure import POSE_SIGMA
 from viewgain.rigs import Rig, Target, poses, refusals, rig
 from viewgain.scans import Scan
 from viewgain.scenes import SceneRanges, random_box
@@ -151,56 +142,3 @@ def volume_case(settings: VolumeSettings, number: int) -> VolumeCase:
         f"evaluate: got no box of {_TRIES} that leaves two positions of rig {stations.name}; take smaller boxes or"
         " a greater --distance"
     )
-
-
-def case_errors(case: VolumeCase) -> Array:
-    """Return (V, 2n) relative volume errors: n scans of each position that score it, then n that are the oracle's.
-
-    NaN for a miss, and for positions that cannot be reached. Fused, each scan is joined with the one to decide by,
-    always the same: what is asked is what this very decision is worth.
-    """
-    return errors_of_scans(case, range(2 * case.settings.captures))
-
-
-def errors_of_scans(case: VolumeCase, numbers: Iterable[int]) -> Array:
-    """Return (V, k) relative volume errors of k scans of each position, named by number, as :func:`case_errors` has them."""
-    settings, chosen = case.settings, list(numbers)
-    errors = np.full((case.scans.views, len(chosen)), np.nan)
-    if settings.fused:
-        known = _or_none(case, case.present, 2 * settings.captures)
-        for view in np.flatnonzero(case.reachable).tolist():
-            errors[view] = [_fused_error(case, known, view, number) for number in chosen]
-        return errors
-    measured = _never_failing(volume_estimator(settings.estimator, case.camera))
-    for view in np.flatnonzero(case.reachable).tolist():
-        for column, number in enumerate(chosen):
-            scan = case.scans.scan(view, number)
-            errors[view, column] = np.nan if scan is None else measured(scan) / case.box.volume - 1
-    return errors
-
-
-def _fused_error(case: VolumeCase, known: Measurement | None, view: int, number: int) -> float:
-    both = [each for each in (known, _or_none(case, view, number)) if each is not None]
-    if not both:
-        return float("nan")
-    try:
-        return measured_volume(fuse_measurements(both)) / case.box.volume - 1
-    except (ViewgainError, np.linalg.LinAlgError):  # a miss is a miss, whatever its name
-        return float("nan")
-
-
-def _or_none(case: VolumeCase, view: int, number: int) -> Measurement | None:
-    try:
-        return measured_scan(case.scans, view, number, POSE_SIGMA)
-    except (ViewgainError, np.linalg.LinAlgError):
-        return None
-
-
-def _never_failing(estimator: VolumeEstimator) -> VolumeEstimator:
-    def measured(scan: Scan) -> float:
-        try:
-            return estimator(scan)
-        except (ViewgainError, np.linalg.LinAlgError):  # a miss is a miss, whatever its name
-            return float("nan")
-
-    return measured

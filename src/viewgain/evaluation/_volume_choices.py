@@ -25,8 +25,12 @@ from viewgain.plan import (
 
 UNIFORM, CONSTANT, OFFSET, ORACLE = "uniform guess", "constant position", "constant offset", "oracle"
 """Rows that need no decision made on a scan."""
-FLOORS = {"random": (UNIFORM,), "constant": (CONSTANT, OFFSET), "oracle": (ORACLE,)}
+FLOORS: Mapping[str, tuple[str, ...]] = {"random": (UNIFORM,), "constant": (CONSTANT, OFFSET), "oracle": (ORACLE,)}
 """The rows that each of these names asks for."""
+BY_OTHERS, INFORMED = "informed", "informed (other cameras)"
+"""Who knows the box and the model of the camera, but not this camera's own systematic error: a name, and the row it asks for."""
+VOLUME_FLOORS = {**FLOORS, BY_OTHERS: (INFORMED,)}
+"""The same where volumes of boxes are judged."""
 
 
 Maker = Callable[[DecisionCase], ViewPolicy]
@@ -48,14 +52,14 @@ def check_volume_policies(names: tuple[str, ...]) -> None:
     Raises:
         ConfigError: Saying which.
     """
-    check_policies(names, DECIDING)
+    check_policies(names, DECIDING, VOLUME_FLOORS)
 
 
-def check_policies(names: tuple[str, ...], deciding: Mapping[str, Maker]) -> None:
+def check_policies(names: tuple[str, ...], deciding: Mapping[str, Maker], floors: Mapping[str, tuple[str, ...]] = FLOORS) -> None:
     """Refuse names that are neither of ``deciding`` nor floors nor networks, or given twice; raises as above."""
     for name in names:
-        if name not in deciding and name not in FLOORS and not is_from_file(name):
-            known = ", ".join([*deciding, *FLOORS, *(f"{kind}:FILE" for kind in FROM_FILE)])
+        if name not in deciding and name not in floors and not is_from_file(name):
+            known = ", ".join([*deciding, *floors, *(f"{kind}:FILE" for kind in FROM_FILE)])
             raise ConfigError(f"policy {name!r} is not known; choose from {known}")
     if len(set(names)) < len(names):
         raise ConfigError(f"policies: got {', '.join(names)}, wanted each once")

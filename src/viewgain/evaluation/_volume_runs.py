@@ -1,21 +1,19 @@
 """Boxes worked through by processes: errors that are costly and kept, decisions that are cheap and made anew every time."""
 
 import dataclasses
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-
-import numpy as np
 
 from viewgain.arrays import Array, Mask, Vector
 from viewgain.datasets import write_whole
 from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file, rig_digest
 from viewgain.evaluation._choice import Choice, decisions
-from viewgain.evaluation._claim import claim, damaged, kept_text
-from viewgain.evaluation._volume_case import VolumeSettings, case_errors, volume_case
-from viewgain.evaluation._volume_choices import DECIDING, is_from_file, network_of, policy_of
+from viewgain.evaluation._claim import claim
+from viewgain.evaluation._volume_case import VolumeSettings, volume_case
+from viewgain.evaluation._volume_choices import BY_OTHERS, DECIDING, is_from_file, network_of, policy_of
 from viewgain.evaluation._volume_confidence import opinions_of
+from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
 
 
@@ -37,6 +35,8 @@ class VolumeRun:
     """By policy."""
     milliseconds: dict[str, float]
     """CPU time of each decision, measuring included."""
+    by_others: Array | None = None
+    """(V, n) errors of scans by other cameras of the model; None where nobody asked for them."""
     numbers: dict[str, Vector | None] = field(default_factory=dict)
     """By policy: (F,) what model and network say of its choice (:func:`viewgain.plan.decision_numbers`), None where they are
     silent; empty where another estimator than the default one measures, of which they know nothing."""
@@ -47,8 +47,17 @@ class _Task:
     settings: VolumeSettings
     number: int
     policies: tuple[str, ...]
-    known: Array | None
-    """(V, 2n) errors that a file says of the box; None to work them out."""
+    others: bool
+    """Whether scans by other cameras are wanted."""
+    known: Truth | None
+    """What a file says of the box; what is not there is worked out."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Done:
+    run: VolumeRun
+    text: str | None
+    """What is to be kept; None where a file says it already."""
 
 
 def run_boxes(
@@ -86,52 +95,35 @@ def run_boxes(
             settings=settings,
             number=number,
             policies=deciding,
-            known=None if folder is None else _kept(box_file(folder, number), settings),
+            others=BY_OTHERS in policies,
+            known=None if folder is None else kept_truth(box_file(folder, number), settings),
         )
         for number in range(boxes)
     ]
 
-    def keep(task: _Task, run: VolumeRun) -> None:
-        if folder is not None and task.known is None:
-            write_whole(box_file(folder, run.number), _truth(run).encode())
+    def keep(task: _Task, done: _Done) -> None:
+        if folder is not None and done.text is not None:
+            write_whole(box_file(folder, task.number), done.text.encode())
 
-    return all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch)
+    return [done.run for done in all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch)]
 
 
-def _worked_out(task: _Task) -> VolumeRun:
+def _worked_out(task: _Task) -> _Done:
     case = volume_case(task.settings, task.number)
-    errors = case_errors(case) if task.known is None else task.known
+    truth = truth_of(case, task.known, others=task.others)
     choices, spent = decisions(case, task.policies, policy_of)
     opinions = opinions_of(case) if choices and task.settings.estimator == "default" else None
     sides = tuple(float(side) for side in case.box.extents)
-    return VolumeRun(
+    run = VolumeRun(
         number=task.number,
         size=(sides[0], sides[1], sides[2]),
         present=case.present,
         reachable=case.reachable,
-        errors=errors,
+        errors=truth.errors,
+        by_others=truth.by_others,
         choices=choices,
         milliseconds=spent,
         numbers={} if opinions is None else {name: decision_numbers(opinions, made.position) for name, made in choices.items()},
     )
-
-
-def _truth(run: VolumeRun) -> str:
-    """Return what is kept of a box: its errors, null for a miss."""
-    rows = [[float(error) if np.isfinite(error) else None for error in row] for row in run.errors]
-    return json.dumps({"box": run.number, "size_m": run.size, "present": run.present, "errors": rows}, allow_nan=False) + "\n"
-
-
-def _kept(file: Path, settings: VolumeSettings) -> Array | None:
-    """Return the (V, 2n) errors that are kept of a box; None if there are none yet."""
-    text = kept_text(file)
-    if text is None:
-        return None
-    try:
-        rows = json.loads(text)["errors"]
-        errors = np.array([[np.nan if error is None else float(error) for error in row] for row in rows], dtype=float)
-    except (ValueError, TypeError, KeyError) as error:
-        raise damaged(file) from error
-    if errors.shape != (len(settings.stations().stations), 2 * settings.captures):
-        raise damaged(file)
-    return errors
+    is_new = task.known is None or (task.others and task.known.by_others is None)
+    return _Done(run, truth_text(truth, case) if is_new else None)

@@ -17,7 +17,7 @@ from viewgain.evaluation._ratios import ratio
 from viewgain.evaluation._risk import risks_at
 from viewgain.evaluation._selective import Selective, selective
 from viewgain.evaluation._volume_case import VolumeSettings
-from viewgain.evaluation._volume_choices import CONSTANT, FLOORS, OFFSET, ORACLE, UNIFORM
+from viewgain.evaluation._volume_choices import CONSTANT, INFORMED, OFFSET, ORACLE, UNIFORM, VOLUME_FLOORS
 from viewgain.evaluation._volume_runs import VolumeRun
 from viewgain.plan import shipped_confidence
 
@@ -127,15 +127,22 @@ def _results(
         UNIFORM: lambda: guessed(scoring),
         CONSTANT: lambda: judged(scoring, constant_choices(scoring).tolist()),
         OFFSET: lambda: judged(scoring, constant_choices(scoring, [run.present for run in runs]).tolist()),
+        INFORMED: lambda: judged(scoring, [_by_others(run).least for run in runs]),
         ORACLE: lambda: oracle,
     }
     results: dict[str, Array] = {}
     for name in policies:
-        for row in FLOORS.get(name, ()):
+        for row in VOLUME_FLOORS.get(name, ()):
             results[row] = floors[row]()
-        if name not in FLOORS:
+        if name not in VOLUME_FLOORS:
             results[name] = judged(scoring, [run.choices[name].position for run in runs])
     return results
+
+
+def _by_others(run: VolumeRun) -> PositionScores:
+    if run.by_others is None:
+        raise DataError(f"evaluate volume: got no scans of box {run.number} by other cameras, wanted them for {INFORMED}")
+    return position_scores(run.by_others, run.reachable)
 
 
 def _kept(runs: Sequence[VolumeRun], name: str, values: Array, scoring: Sequence[PositionScores]) -> tuple[float, ...]:
