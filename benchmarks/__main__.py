@@ -64,7 +64,7 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504), enclosing (500), error-model (boxes; 695), surrogate (boxes; 160), data-labels (meshes; 20) and"
+        " (504), enclosing (500), error-model (boxes; 1000), surrogate (boxes; 160), data-labels (meshes; 20) and"
         " coverage-policies (objects; 30)",
     )
     parser.add_argument(

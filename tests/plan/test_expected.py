@@ -21,7 +21,7 @@ from viewgain.plan import (
     expected_error,
     fused_expected_error,
     fused_showing,
-    physical_error,
+    physical_outcome,
     showing,
     trust,
     weighted,
@@ -59,7 +59,7 @@ def test_a_cut_box_is_worse_and_worst_where_an_end_is_out_of_sight() -> None:
 def guess(box: Box, camera: np.ndarray, noise: float = 1.0) -> float:
     """The physical guess, without what was learned."""
     seen = showing(box, camera, CAMERA, noise)
-    return physical_error(box, seen.knowledge, (seen,), CAMERA)
+    return physical_outcome(box, seen.knowledge, (seen,), CAMERA).expected
 
 
 def test_by_physics_noise_and_distance_never_help_a_small_box() -> None:
@@ -127,9 +127,9 @@ def test_fusing_helps_and_by_physics_another_side_helps_most() -> None:
     guesses = []
     for candidate in candidates:
         known, both = fused_showing(here, first, candidate, CAMERA)
-        guesses.append(physical_error(here, known, both, CAMERA))
+        guesses.append(physical_outcome(here, known, both, CAMERA).expected)
     again, opposite = guesses
-    assert opposite < again < physical_error(here, first.knowledge, (first,), CAMERA)
+    assert opposite < again < physical_outcome(here, first.knowledge, (first,), CAMERA).expected
 
 
 def test_spanned_axes_are_those_whose_ends_can_be_seen() -> None:

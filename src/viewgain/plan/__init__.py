@@ -20,12 +20,13 @@ from viewgain.plan._doubt import chances_of_best as chances_of_best
 from viewgain.plan._error_model import MOST_SHIFT as MOST_SHIFT
 from viewgain.plan._error_model import WITHIN as WITHIN
 from viewgain.plan._error_model import ErrorModel as ErrorModel
-from viewgain.plan._error_model import log_odds as log_odds
+from viewgain.plan._error_model import Outcome as Outcome
+from viewgain.plan._error_model import transformed as transformed
 from viewgain.plan._expected import ExpectedErrorPolicy as ExpectedErrorPolicy
 from viewgain.plan._expected import expected_error as expected_error
 from viewgain.plan._expected import fused_expected_error as fused_expected_error
 from viewgain.plan._expected import fused_showing as fused_showing
-from viewgain.plan._expected import physical_error as physical_error
+from viewgain.plan._expected import physical_outcome as physical_outcome
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order

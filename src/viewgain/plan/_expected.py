@@ -17,7 +17,7 @@ from viewgain.geometry import inverse
 from viewgain.measure import MAX_SLENDER, OPEN_SHARE, POSE_SIGMA, Knowledge, marginal, pose_precision
 from viewgain.plan._belief import Belief, relative_sigma
 from viewgain.plan._circumstances import circumstances
-from viewgain.plan._error_model import shipped_error_model
+from viewgain.plan._error_model import Outcome, shipped_error_model
 from viewgain.plan._policy import Assessment
 from viewgain.plan._showing import Showing, showing
 
@@ -93,15 +93,14 @@ def of_shown(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sens
     """
     if not any(view.returns.any() for view in seen):
         return 1.0
-    guess = physical_error(box, known, seen, sensor)
-    return shipped_error_model().corrected(guess, circumstances(box, known, seen, sensor))
+    guess = physical_outcome(box, known, seen, sensor)
+    return shipped_error_model().corrected(guess, circumstances(box, known, seen, sensor)).expected
 
 
-def physical_error(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
-    """Return the same without anything learned from runs: chance of no volume, else the mean of a normal error."""
-    missed = chance_of_no_volume(box, known, seen, sensor)
+def physical_outcome(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> Outcome:
+    """Return what comes of it without anything learned from runs: the chance of no volume, else the mean of a normal error."""
     off = min(MEAN_OF_NORMAL * relative_sigma(known, box, sensor), 1.0)
-    return float(missed + (1 - missed) * off)
+    return Outcome(chance_of_no_volume(box, known, seen, sensor), float(off))
 
 
 def chance_of_no_volume(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
