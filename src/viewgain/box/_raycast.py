@@ -42,6 +42,12 @@ class Hits:
         """Return a subset of the rays."""
         return Hits(self.ranges[chosen], self.planes[chosen], self.cosine[chosen])
 
+    def followed_by(self, others: "Hits") -> "Hits":
+        """Return these, then the others."""
+        return Hits(
+            np.append(self.ranges, others.ranges), np.append(self.planes, others.planes), np.append(self.cosine, others.cosine)
+        )
+
 
 def box_hits(box: Box, directions: Points) -> Hits:
     """Return where (n, 3) unit rays from the camera meet the box's visible faces, extended beyond their edges.

@@ -76,12 +76,17 @@ class DecisionCase(Protocol):
 C = TypeVar("C", bound=DecisionCase)
 
 
-def choice(case: DecisionCase, policy: ViewPolicy) -> Choice:
+def choice(case: DecisionCase, policy: ViewPolicy, seen: Seen | None = None) -> Choice:
     """Return where a policy goes from the scan to decide by; any reachable position may be taken, the present one too.
 
     Without an opinion the camera leaves: where it stands the scan was good for nothing.
+
+    Args:
+        case: What is asked.
+        policy: Who decides.
+        seen: What it knows, :func:`seen_of` the case where None.
     """
-    seen = seen_of(case)
+    seen = seen_of(case) if seen is None else seen
     scores = policy.scores(seen)
     place = choose(scores, case.reachable)
     if place is None or not np.isfinite(scores[place]):
@@ -102,12 +107,13 @@ def decisions(
         names: Of the policies.
         policy: Gives the policy of a name for the case.
     """
+    seen = seen_of(case)  # simulating the scan is no part of deciding
     choices: dict[str, Choice] = {}
     spent: dict[str, float] = {}
     for name in names:
         decider = policy(name, case)
         start = process_time()
-        choices[name] = choice(case, decider)
+        choices[name] = choice(case, decider, seen)
         spent[name] = 1e3 * (process_time() - start)
     return choices, spent
 

@@ -43,6 +43,25 @@ MIN_FACE_PIXELS = 25
 _FACE_SAMPLES = 6
 _EDGE_SAMPLES = 12
 _FLOOR_SAMPLES = 12
+_FACE_OF = np.repeat(np.arange(FLOOR), _FACE_SAMPLES**2)
+"""(n,) the face of each sample."""
+
+
+def _grid_on_faces() -> Points:
+    """Return (n, 3) samples on the faces of a cube of side 1 around the origin."""
+    cell = (np.arange(_FACE_SAMPLES) + 0.5) / _FACE_SAMPLES - 0.5
+    across = np.stack(np.meshgrid(cell, cell), axis=-1).reshape(-1, 2)
+    grid = np.repeat(PLANE_NORMALS[:FLOOR] / 2, _FACE_SAMPLES**2, axis=0)
+    for face, normal in enumerate(PLANE_NORMALS[:FLOOR]):
+        grid[np.ix_(np.flatnonzero(face == _FACE_OF), np.flatnonzero(normal == 0))] = across
+    return grid
+
+
+_ON_FACES = _grid_on_faces()
+
+
+Samples = tuple[Points, Hits, Array]
+"""(n, 3) rays, where they hit, and (n,) how many pixels each stands for."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,22 +106,18 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
         Information zero and no faces where the box lies behind the camera or out of range.
     """
     seen = box.in_frame(inverse(camera_to_current))
-    information, systematic = np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))
     if np.any(seen.corners()[:, 2] < 0.05):
-        return Prediction(Knowledge(information, systematic), (), 1.0)
+        return Prediction(Knowledge(np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))), (), 1.0)
     camera = sensor.intrinsics
     seen_as = constraints(seen, to_pixels(camera), (camera.width, camera.height))
-    sights = []
-    for face in range(FLOOR):
-        points, hits, weight = _face_samples(seen, face, sensor)
-        sights += [Sight(FACES[face], float(seen_as.incidence[face]), float(weight.sum()))] if len(points) else []
-        believed = weight * (1 - sensor.loss(hits.cosine))  # as in measuring: a face that loses its returns is little believed
-        _add_ranges(seen, points, hits, believed, sensor, noise, information, systematic)
-    _add_ranges(seen, *_floor_samples(seen, sensor), sensor, noise, information, systematic)
+    rays, hits, weight = _face_samples(seen, sensor)
+    returns = np.bincount(hits.planes, weight, minlength=FLOOR)
+    sights = tuple(Sight(FACES[face], float(seen_as.incidence[face]), float(returns[face])) for face in np.unique(hits.planes))
+    # As in measuring: a face that loses its returns is little believed.
+    believed = rays, hits, weight * (1 - sensor.loss(hits.cosine))
+    ranges, gradient = _range_information(seen, believed, _floor_samples(seen, sensor), sensor, noise)
     edges, shift = _edge_information(seen, sensor, noise)
-    information += edges
-    systematic[:, -1] += shift
-    return Prediction(Knowledge(information, systematic), tuple(sights), seen_as.border)
+    return Prediction(Knowledge(ranges + edges, np.column_stack([gradient, shift])), sights, seen_as.border)
 
 
 def to_pixels(camera: Intrinsics) -> Callable[[Points2], Points2]:
@@ -110,14 +125,12 @@ def to_pixels(camera: Intrinsics) -> Callable[[Points2], Points2]:
     return lambda image: camera.project(np.column_stack([image, np.ones(len(image))]))
 
 
-def _add_ranges(
-    box: Box, rays: Points, hits: Hits, weight: Array, sensor: Sensor, noise: float, information: Array, systematic: Array
-) -> None:
-    """Add the evidence of range readings: J^T J / sigma^2, each sample standing for ``weight`` pixels."""
-    jacobian = range_jacobian(box, rays, hits)
-    precision = weight / (noise * sensor.range_sigma(hits.ranges, hits.cosine)) ** 2
-    information += (jacobian.T * precision) @ jacobian
-    systematic[:, :-1] += (jacobian.T * precision) @ sensor.systematic_shapes(hits.ranges)
+def _range_information(box: Box, faces: Samples, floor: Samples, sensor: Sensor, noise: float) -> tuple[Array, Array]:
+    """Return the evidence of range readings, J^T J / sigma^2, and its systematic gradient."""
+    hits, weight = faces[1].followed_by(floor[1]), np.append(faces[2], floor[2])
+    jacobian = range_jacobian(box, np.concatenate([faces[0], floor[0]]), hits)
+    weighted = jacobian.T * (weight / (noise * sensor.range_sigma(hits.ranges, hits.cosine)) ** 2)
+    return weighted @ jacobian, weighted @ sensor.systematic_shapes(hits.ranges)
 
 
 def _edge_information(box: Box, sensor: Sensor, noise: float) -> tuple[Array, Array]:
@@ -147,27 +160,22 @@ def _edge_information(box: Box, sensor: Sensor, noise: float) -> tuple[Array, Ar
     return free, common_shift(pull, precision, sigma)
 
 
-def _face_samples(box: Box, face: int, sensor: Sensor) -> tuple[Points, Hits, Array]:
-    """Return rays to a grid on one face, where they hit it, and how many pixels each stands for; empty if it is turned away."""
-    normal = PLANE_NORMALS[face]
-    axes = np.flatnonzero(normal == 0)
-    cell = (np.arange(_FACE_SAMPLES) + 0.5) / _FACE_SAMPLES - 0.5
-    grid = np.zeros((_FACE_SAMPLES**2, 3))
-    grid[:, axes] = np.stack(np.meshgrid(cell, cell), axis=-1).reshape(-1, 2) * box.extents[axes]
-    grid += normal * box.extents / 2 + np.array([0.0, 0.0, box.extents[2] / 2])
+def _face_samples(box: Box, sensor: Sensor) -> Samples:
+    """Return rays to a grid on each face that is turned to the camera."""
+    grid = _ON_FACES * box.extents + np.array([0.0, 0.0, box.extents[2] / 2])
     points = transform(box.box_to_camera, grid)
     ranges = np.linalg.norm(points, axis=1)
     rays = points / ranges[:, None]
-    cosine = -rays @ (box.box_to_camera[:3, :3] @ normal)
-    area = float(np.prod(box.extents[axes])) / len(grid)
+    cosine = -np.einsum("nk,nk->n", rays, (PLANE_NORMALS @ box.box_to_camera[:3, :3].T)[_FACE_OF])
+    area = np.prod(np.where(PLANE_NORMALS[:FLOOR] == 0, box.extents, 1.0), axis=1)[_FACE_OF] / _FACE_SAMPLES**2
     solid = area * np.maximum(cosine, 0.0) / ranges**2
     pixels = solid * sensor.intrinsics.fx * sensor.intrinsics.fy / np.maximum(rays[:, 2], 0.1) ** 3
     weight = pixels * (1 - sensor.loss(cosine)) * _in_view(rays, ranges, sensor)
     used = (cosine > 0.02) & (weight > 0)
-    return rays[used], Hits(ranges[used], np.full(int(used.sum()), face, dtype=np.intp), cosine[used]), weight[used]
+    return rays[used], Hits(ranges[used], _FACE_OF[used], cosine[used]), weight[used]
 
 
-def _floor_samples(box: Box, sensor: Sensor) -> tuple[Points, Hits, Array]:
+def _floor_samples(box: Box, sensor: Sensor) -> Samples:
     """Return rays to the floor on a grid over the image around the box, and how many pixels each stands for."""
     camera = sensor.intrinsics
     centre = np.clip(camera.project(box.corners()), 0, (camera.width - 1, camera.height - 1))
