@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 table2-recorded volume-nbv volume-held-out loop-nbv shapes-nbv setup clean
+.PHONY: help demo test test-fast check format bench bench-volume bench-sim bench-data bench-network table1 table-coverage table2 table2-terms table2-recorded volume-nbv volume-held-out loop-nbv shapes-nbv setup clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "  make %-15s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -57,14 +57,15 @@ table1: $(VENV)/dev.stamp ## Judge the shipped networks on fresh objects and wri
 table-coverage: $(VENV)/dev.stamp ## The same over ten views: coverage beside random, farthest and greedy oracle, tables/coverage.md
 	$(BIN)/viewgain evaluate coverage --fresh 10 --workers 2 --out tables $(ARGS)
 
-# Trains a recipe on a data set: one that finished is left as it is, one that was interrupted goes on, else it begins. run.json is there
-# from the first step on, so only a stamp written last says that a run has finished.
+# Trains a recipe (1) on a data set (2), in a run of its name or another (3), with options (4): one that finished is left as it is, one
+# that was interrupted goes on, else it begins. run.json is there from the first step on, so only a stamp written last says that a run
+# has finished.
 define trained
-test -e runs/$(1)/finished || { \
-	if test -e runs/$(1)/run.json; \
-	then $(BIN)/viewgain train --resume runs/$(1) --data $(2) --minutes $(TABLE2_MINUTES); \
-	else $(BIN)/viewgain train $(1) --data $(2) --out runs/$(1) --minutes $(TABLE2_MINUTES); \
-	fi && touch runs/$(1)/finished; }
+run=runs/$(or $(3),$(1)); test -e $$run/finished || { \
+	if test -e $$run/run.json; \
+	then $(BIN)/viewgain train --resume $$run --data $(2) --minutes $(TABLE2_MINUTES); \
+	else $(BIN)/viewgain train $(1) --data $(2) --out $$run --minutes $(TABLE2_MINUTES) $(4); \
+	fi && touch $$run/finished; }
 endef
 
 table2: $(VENV)/dev.stamp ## Build the paper's boxes, train briefly, print its Table 2 (hours; TABLE2_MINUTES of training per network)
@@ -75,6 +76,17 @@ table2: $(VENV)/dev.stamp ## Build the paper's boxes, train briefly, print its T
 	$(call trained,volume_paper_tally,data/boxes)
 	$(BIN)/viewgain export runs/volume_paper_tally --out runs/volume_paper_tally.onnx
 	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_tally.onnx --target tally:4,3,2,2:0 --out tables/table2-tally $(ARGS)
+
+table2-terms: TABLE2_MINUTES := 4
+table2-terms: $(VENV)/dev.stamp ## The same with each constraint of time of flight and without, on a tenth of the scans (half an hour)
+	$(BIN)/viewgain dataset build boxes_paper_tenth --out data/tenth --workers 2 --resume --errors lines_published
+	$(BIN)/viewgain evaluate labels --data data/tenth --out tables/table2-labels
+	for terms in "" +incidence +border +incidence+border; do \
+		target=histogram:lines_published:soft$$terms; \
+		$(call trained,volume_paper_short,data/tenth,terms$$terms,--target $$target) && \
+		$(BIN)/viewgain export $$run --out $$run.onnx && \
+		$(BIN)/viewgain evaluate table2 --data data/tenth --models $$run.onnx --target $$target --out tables/table2-terms$$terms $(ARGS) || exit; \
+	done
 
 # Each recording draws from a seed of its own, so that no two share their noise; boxes.toml comes last and says that all are there.
 data/recordings-simulated/boxes.toml: | $(VENV)/dev.stamp

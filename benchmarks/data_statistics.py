@@ -59,26 +59,28 @@ def _by_object(values: Array, objects: Array, digits: int = 2) -> str:
 
 
 def _errors(data: Dataset, estimator: str, pictures: Path | None) -> None:
-    """Print success and error of each box and position, which position is best, and the floors."""
+    """Print success and error of each box and position, which position is best by error and by label, and the floors."""
     errors = object_errors(data, estimator)
-    rows, best, agree = [], [], []
+    rows = []
+    choices: dict[str, list[list[int]]] = {"expected_error": [], "soft": []}  # of all scans, and of each half
     for number, own in errors.items():
         histogram = ErrorHistogram.from_errors(own)
         scores = HISTOGRAM_OBJECTIVES["near_zero"].gains(histogram)
-        half = [ErrorHistogram.from_errors(own[:, k::2]) for k in (0, 1)]
-        choices = [int(np.argmax(HISTOGRAM_OBJECTIVES["expected_error"].gains(each))) for each in (histogram, *half)]
-        best.append(choices[0])
-        agree.append(choices[1] == choices[2])
+        histograms = (histogram, *(ErrorHistogram.from_errors(own[:, k::2]) for k in (0, 1)))
+        for name, made in choices.items():
+            made.append([int(np.argmax(HISTOGRAM_OBJECTIVES[name].gains(each))) for each in histograms])
         cells = [_cell(view, score) for view, score in zip(own, scores, strict=True)]
-        rows.append((number, *cells, choices[0]))
+        rows.append((number, *cells, choices["expected_error"][-1][0], choices["soft"][-1][0]))
     positions = len(next(iter(errors.values())))
     print(f"Volume errors by `{estimator}`: success / median |error| / share in the bin about zero (±2.5 %), by position:\n")
-    print(markdown(("box", *(f"position {k}" for k in range(positions)), "least expected error"), rows))
-    tally = np.bincount(best, minlength=positions)
+    print(markdown(("box", *(f"position {k}" for k in range(positions)), "least expected error", "label `soft`"), rows))
+    tally, label = (np.bincount([each[0] for each in made], minlength=positions) for made in choices.values())
+    agree, agree_on_label = (sum(one == other for _, one, other in made) for made in choices.values())
     print(
         f"\nHow often each position has the least expected error: {', '.join(map(str, tally))}. Floors: a uniform guess"
         f" {percent(1 / positions, 1)}, always position {int(np.argmax(tally))} {percent(tally.max() / tally.sum(), 1)}."
-        f" Both halves of the scans agree on it for {sum(agree)} of {len(agree)} boxes.\n"
+        f" Both halves of the scans agree on it for {agree} of {len(errors)} boxes. How often each is the label's, which goes by"
+        f" the scans near zero alone: {', '.join(map(str, label))}; both halves agree on it for {agree_on_label}.\n"
     )
     if pictures is not None:
         error_histograms(errors, estimator, pictures / f"histograms-{estimator}.png")

@@ -40,10 +40,10 @@ def checkout(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def made(checkout: Path) -> tuple[int, list[str]]:
-    """Return the exit code of make table2, and the trainings it asked for since the last time."""
+def made(checkout: Path, target: str = "table2") -> tuple[int, list[str]]:
+    """Return the exit code of make, and the trainings it asked for since the last time."""
     (checkout / "calls").write_text("")
-    code = subprocess.run(["make", "table2"], cwd=checkout, capture_output=True, timeout=60, check=False).returncode
+    code = subprocess.run(["make", target], cwd=checkout, capture_output=True, timeout=60, check=False).returncode
     return code, [line for line in (checkout / "calls").read_text().splitlines() if line.startswith("train")]
 
 
@@ -62,6 +62,28 @@ def test_table2_goes_on_with_an_interrupted_run_and_skips_a_finished_one(checkou
     assert made(checkout) == (0, [f"train --resume runs/{RECIPES[0]} {rest}", fresh[1]])
     assert made(checkout) == (0, [])
     assert (checkout / "calls").read_text().count("evaluate table2") == 2
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
+def test_table2_terms_trains_and_judges_each_labelling_by_itself(checkout: Path) -> None:
+    terms = ("", "+incidence", "+border", "+incidence+border")
+    rest, target = "--data data/tenth --minutes 4", "histogram:lines_published:soft"
+    begun = "train volume_paper_short --data data/tenth --out runs/terms"
+    fresh = [f"{begun}{each} --minutes 4 --target {target}{each}" for each in terms]
+    (checkout / "interrupt").touch()
+    code, trained = made(checkout, "table2-terms")
+    assert code != 0
+    assert trained == fresh[:1]
+    (checkout / "interrupt").unlink()
+    assert made(checkout, "table2-terms") == (0, [f"train --resume runs/terms {rest}", *fresh[1:]])
+    calls = (checkout / "calls").read_text().splitlines()
+    judged = [call.split() for call in calls if call.startswith("evaluate table2")]
+    for each, call in zip(terms, judged, strict=True):
+        assert call[call.index("--models") + 1] == f"runs/terms{each}.onnx"
+        assert call[call.index("--target") + 1] == f"{target}{each}"
+    assert len({call[call.index("--out") + 1] for call in judged}) == 4
+    assert sum(call.startswith("evaluate labels") for call in calls) == 1
+    assert made(checkout, "table2-terms") == (0, [])
 
 
 @pytest.mark.skipif(shutil.which("make") is None, reason="needs make")

@@ -1,4 +1,4 @@
-"""Scan files on disk for the commands to read: one box from two poses, and a bare floor; also without their poses."""
+"""What commands read: scans of one box from two poses and of a bare floor, also without poses; and a small set of boxes."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.datasets.engines import Inline
 from tests.oracles.scenes import MODELLED
 from viewgain.camera import sensor
+from viewgain.datasets import BoxSettings, Dataset, add_volume_errors, build, plan_of, recipe
 from viewgain.scans import write_scan
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
@@ -34,3 +36,17 @@ def scans(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_scan(floor, folder / "floor.npz")
     write_scan(replace(floor, camera_to_world=None), folder / "floor_unposed.ply")
     return folder
+
+
+@pytest.fixture(scope="session")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    """Three boxes, of which one is kept apart, four scans from each position."""
+    tiny = recipe("boxes_paper_tiny")
+    assert isinstance(tiny.content, BoxSettings)
+    sizes = ((0.3, 0.2, 0.2), (0.2, 0.4, 0.3), (0.4, 0.3, 0.2))
+    content = replace(tiny.content, sizes=sizes, captures=4, captures_per_unit=4, train_captures=3, test_boxes=1)
+    folder = tmp_path_factory.mktemp("boxes")
+    plan = plan_of(replace(tiny, content=content))
+    build(plan, folder, engine=Inline())
+    add_volume_errors(plan, folder, ["lines_published"], engine=Inline())
+    return Dataset(folder)

@@ -1,7 +1,6 @@
 """``viewgain evaluate table2`` through the real command: floors by hand, a network, folds, and what goes wrong."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +8,8 @@ import numpy as np
 import pytest
 import torch
 
-from tests.datasets.engines import Inline
 from viewgain.cli import main
-from viewgain.datasets import BoxSettings, Dataset, add_volume_errors, build, plan_of, recipe
+from viewgain.datasets import Dataset
 from viewgain.errors import ConfigError
 from viewgain.evaluation import leave_out
 from viewgain.inference import ModelCard, Scorer
@@ -19,20 +17,6 @@ from viewgain.network import NetworkSettings, export_onnx
 from viewgain.network import build as build_network
 
 TARGET = "histogram:lines_published:soft"
-
-
-@pytest.fixture(scope="module")
-def data(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    """Three boxes, of which one is kept apart, four scans from each position."""
-    tiny = recipe("boxes_paper_tiny")
-    assert isinstance(tiny.content, BoxSettings)
-    sizes = ((0.3, 0.2, 0.2), (0.2, 0.4, 0.3), (0.4, 0.3, 0.2))
-    content = replace(tiny.content, sizes=sizes, captures=4, captures_per_unit=4, train_captures=3, test_boxes=1)
-    folder = tmp_path_factory.mktemp("boxes")
-    plan = plan_of(replace(tiny, content=content))
-    build(plan, folder, engine=Inline())
-    add_volume_errors(plan, folder, ["lines_published"], engine=Inline())
-    return Dataset(folder)
 
 
 @pytest.fixture(scope="module")

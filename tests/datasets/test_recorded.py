@@ -81,3 +81,12 @@ def test_a_box_without_a_size_has_no_best_position(folder: Path, tmp_path: Path)
     add_volume_errors(plan, tmp_path / "out", ["lines_published"], engine=Inline())
     with pytest.raises(DataError, match="got no size of big_y; add it"):
         with_target(Dataset(tmp_path / "out"), "histogram:lines_published:soft")
+
+
+def test_incidence_and_border_are_not_known_of_recordings(folder: Path, tmp_path: Path) -> None:
+    sized(folder, SIZES)
+    plan = plan_of(recipe("boxes_recorded_tiny"), recordings=folder)
+    build(plan, tmp_path / "out", engine=Inline())
+    add_volume_errors(plan, tmp_path / "out", ["lines_published"], engine=Inline())
+    with pytest.raises(DataError, match="got no boxes of known pose, which incidence and border are of"):
+        with_target(Dataset(tmp_path / "out"), "histogram:lines_published:soft+border")

@@ -6,6 +6,7 @@ from typing import Any
 
 from viewgain.cli._evaluate_commands import Evaluate, EvaluateCoverage, EvaluateTable1
 from viewgain.cli._evaluate_coverage import covered
+from viewgain.cli._evaluate_labels import run_evaluate_labels
 from viewgain.cli._evaluate_loop import run_evaluate_loop
 from viewgain.cli._evaluate_map import run_evaluate_map
 from viewgain.cli._evaluate_real import run_evaluate_real
@@ -15,6 +16,7 @@ from viewgain.cli._evaluate_volume import run_evaluate_volume
 from viewgain.cli._finish import finish
 from viewgain.cli._judging import check_options, judged_data, named_scorers, note
 from viewgain.cli._volume_commands import (
+    EvaluateLabels,
     EvaluateLoop,
     EvaluateMap,
     EvaluateReal,
@@ -129,6 +131,7 @@ _RUNS: Mapping[type, Callable[[Any], int]] = {
     EvaluateTable1: _table1,
     EvaluateCoverage: _coverage,
     EvaluateTable2: run_evaluate_table2,
+    EvaluateLabels: run_evaluate_labels,
     EvaluateVolume: run_evaluate_volume,
     EvaluateLoop: run_evaluate_loop,
     EvaluateShapes: run_evaluate_shapes,

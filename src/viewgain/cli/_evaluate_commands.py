@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import tyro
 
 from viewgain.cli._volume_commands import (
+    EvaluateLabels,
     EvaluateLoop,
     EvaluateMap,
     EvaluateReal,
@@ -77,6 +78,7 @@ class Evaluate:
     action: tyro.conf.OmitSubcommandPrefixes[
         Annotated[EvaluateTable1, tyro.conf.subcommand("table1")]
         | Annotated[EvaluateTable2, tyro.conf.subcommand("table2")]
+        | Annotated[EvaluateLabels, tyro.conf.subcommand("labels")]
         | Annotated[EvaluateCoverage, tyro.conf.subcommand("coverage")]
         | Annotated[EvaluateVolume, tyro.conf.subcommand("volume")]
         | Annotated[EvaluateMap, tyro.conf.subcommand("map")]

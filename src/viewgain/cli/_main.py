@@ -37,6 +37,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain evaluate table1 --fresh 10   how often networks choose the best view, beside floors
   viewgain evaluate coverage --fresh 10 how much policies cover, view after view
   viewgain evaluate table2 --data DIR   how often it names a box's best position
+  viewgain evaluate labels --data DIR   which positions its labels choose, and what those are worth
   viewgain evaluate volume              planners for a box's volume, on fresh boxes
   viewgain evaluate shapes              planners for the volume of objects of any shape
   viewgain evaluate map                 what each position around a box is worth, as a picture

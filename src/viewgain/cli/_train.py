@@ -55,8 +55,10 @@ def _begin(command: Train, means: Means) -> int:
 
 
 def _go_on(command: Train, folder: Path, means: Means) -> int:
-    if command.out is not None or command.iterations is not None or command.seed is not None:
-        raise ConfigError("train: got --resume with --out, --iterations or --seed, which are the run's own; leave them out")
+    if any(each is not None for each in (command.out, command.target, command.iterations, command.seed)):
+        raise ConfigError(
+            "train: got --resume with --out, --target, --iterations or --seed, which are the run's own; leave them out"
+        )
     with _bar(RunFolder(folder).read().recipe.training.iterations) as watch:
         outcome = resume(folder, data=command.data, teacher=command.teacher, means=means, watch=watch)
     return _say(outcome, folder)
@@ -65,11 +67,12 @@ def _go_on(command: Train, folder: Path, means: Means) -> int:
 def _changed(recipe: TrainingRecipe, command: Train) -> TrainingRecipe:
     """Return the recipe with what the command line says differently."""
     given = {name: value for name in ("iterations", "seed") if (value := getattr(command, name)) is not None}
+    data = recipe.data if command.target is None else replace(recipe.data, target=command.target)
     distil = recipe.distil
     if command.teacher is not None:
         named = str(command.teacher)
         distil = DistilSettings(teacher=named) if distil is None else replace(distil, teacher=named)
-    return replace(recipe, training=replace(recipe.training, **given), distil=distil)
+    return replace(recipe, data=data, training=replace(recipe.training, **given), distil=distil)
 
 
 def _device(name: str) -> str:

@@ -27,6 +27,8 @@ class Train:
     """Threads of torch on the CPU; more pay for large networks only."""
     minutes: float | None = None
     """Stop cleanly after so long, earlier parts of the run included; the best weights are kept."""
+    target: str | None = None
+    """Which scores of the data are learned, for instance histogram:lines_published:soft+incidence; default the recipe's."""
     iterations: int | None = None
     """Steps at most; default the recipe's."""
     seed: int | None = None

@@ -148,7 +148,8 @@ class EvaluateTable2:
     models: tuple[str, ...] = ()
     """Networks of whole scans: .onnx files or shipped names; none for the floors alone."""
     target: str = "histogram:lines_published:soft"
-    """What says which position is best: histogram:ESTIMATOR:OBJECTIVE, or tally:4,3,2,2:SEED for one drawn label per box."""
+    """What says which position is best: histogram:ESTIMATOR:OBJECTIVE, with +incidence, +border or both (docs/volume_nbv.md), or
+    tally:4,3,2,2:SEED for one drawn label per box."""
     captures: int = 50
     """Test scans of each box and position that are judged, at most."""
     folds: int = 0
@@ -165,3 +166,23 @@ class EvaluateTable2:
     """One JSON object per table, one line each, and nothing else on stdout."""
     out: Path | None = None
     """Folder to write table2.md and table2.json into, and the runs of the folds, which go on there."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateLabels:
+    """Say which position of each box labels choose, with the constraints of time of flight and without, and what it is worth."""
+
+    data: Path
+    """Folder of a built set of boxes, with volume errors (viewgain dataset build ... --errors lines_published)."""
+    targets: tuple[str, ...] = tuple(
+        f"histogram:lines_published:soft{terms}" for terms in ("", "+incidence", "+border", "+incidence+border")
+    )
+    """Labels, as in training; the first is what the others are held against."""
+    estimator: str = "lines_published"
+    """Whose volume errors say what a position is worth."""
+    seed: int = 0
+    """Of the intervals."""
+    json: bool = False
+    """One JSON object, one line, and nothing else on stdout."""
+    out: Path | None = None
+    """Folder to write labels.md and labels.json into."""

@@ -1,6 +1,8 @@
 """Training data from a recipe, on one core or a cluster, the same bits either way; and reading it at full speed."""
 
 from viewgain.datasets._augment import Augmentation as Augmentation
+from viewgain.datasets._box_views import box_views as box_views
+from viewgain.datasets._box_views import knows_poses as knows_poses
 from viewgain.datasets._build import Progress as Progress
 from viewgain.datasets._build import build as build
 from viewgain.datasets._dataset import Dataset as Dataset

@@ -30,6 +30,12 @@ from viewgain.evaluation._gain_map import gain_map as gain_map
 from viewgain.evaluation._gain_map_words import MEANINGS as MEANINGS
 from viewgain.evaluation._gain_map_words import gain_map_markdown as gain_map_markdown
 from viewgain.evaluation._judged import Judged as Judged
+from viewgain.evaluation._labels import ChoiceRow as ChoiceRow
+from viewgain.evaluation._labels import LabelRow as LabelRow
+from viewgain.evaluation._labels import LabelTable as LabelTable
+from viewgain.evaluation._labels import best_by_box as best_by_box
+from viewgain.evaluation._labels import label_table as label_table
+from viewgain.evaluation._labels_words import labels_markdown as labels_markdown
 from viewgain.evaluation._loop_case import Loop as Loop
 from viewgain.evaluation._loop_case import LoopSettings as LoopSettings
 from viewgain.evaluation._loop_play import LoopPlay as LoopPlay

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewgain.arrays import Array
-from viewgain.datasets import Dataset, rig_of, with_target
+from viewgain.datasets import Dataset, rig_of
 from viewgain.errors import ConfigError, DataError
 from viewgain.evaluation._bootstrap import Shares, shares_by_object
+from viewgain.evaluation._labels import best_by_box
 from viewgain.evaluation._markdown import markdown_table
 from viewgain.inference import Scorer
 
@@ -82,7 +83,7 @@ def table2(
         DataError: If nothing is to be judged, or errors are missing.
         ConfigError: If a network is of another rig, or scores coverage.
     """
-    scored = with_target(data, target)
+    best = best_by_box(data, target)
     objects = data.column("object").astype(np.int64)
     apart = set(objects[data.part("other_box", "test")].tolist()) if other is None else set(other)
     away = np.isin(objects, list(apart))
@@ -92,7 +93,6 @@ def table2(
     if not sum(map(len, rows.values())):
         raise DataError(f"{data.folder}: got no test scan in division same_box; build more captures than train")
     learned = sorted(set(objects.tolist()) - apart)
-    best = {number: _best_of(scored, objects, number, target) for number in np.unique(objects).tolist()}
     hits: dict[str, dict[str, Array]] = {}
     times: dict[str, float] = {}
     for name, scorer in scorers.items():
@@ -136,12 +136,6 @@ def _few(data: Dataset, rows: NDArray[np.intp], captures: int) -> NDArray[np.int
             kept[key] = kept.get(key, 0) + 1
             chosen.append(row)
     return np.array(chosen, dtype=np.intp)
-
-
-def _best_of(data: Dataset, objects: NDArray[np.int64], number: int, target: str) -> int:
-    """Return the best position of a box, in rig order."""
-    sample = data[int(np.argmax(objects == number))]
-    return int(np.argmax(sample.in_rig_order(sample.targets[target])))
 
 
 def _answers(data: Dataset, rows: NDArray[np.intp], scorer: Scorer, best: Mapping[int, int]) -> tuple[Array, Array]:

@@ -10,8 +10,11 @@ from viewgain.gain._choices import shortfall as shortfall
 from viewgain.gain._clouds import model_clouds as model_clouds
 from viewgain.gain._clouds import normalised as normalised
 from viewgain.gain._clouds import surface_samples as surface_samples
+from viewgain.gain._constrained import TERM_WEIGHT as TERM_WEIGHT
+from viewgain.gain._constrained import TERMS as TERMS
 from viewgain.gain._constrained import ScannedBox as ScannedBox
 from viewgain.gain._constrained import WithTerms as WithTerms
+from viewgain.gain._constrained import with_terms as with_terms
 from viewgain.gain._cover import Cover as Cover
 from viewgain.gain._cover import cover as cover
 from viewgain.gain._coverage import CoverageLabels as CoverageLabels

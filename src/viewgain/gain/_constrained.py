@@ -1,12 +1,18 @@
 """A histogram score together with the terms of a time-of-flight camera: the source paper's choice, with or without them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from viewgain.arrays import Vector
 from viewgain.errors import ConfigError
 from viewgain.gain._histogram import ErrorHistogram
-from viewgain.gain._objective import Objective
-from viewgain.gain._tof import BoxViews
+from viewgain.gain._objective import Choice, Objective
+from viewgain.gain._tof import BorderTerm, BoxViews, IncidenceTerm
+
+TERMS: dict[str, Objective[BoxViews]] = {"incidence": IncidenceTerm(), "border": BorderTerm(10)}
+"""The terms that targets name."""
+TERM_WEIGHT = 0.2
+"""What a term weighs where nothing else is said, in shares of the scans near zero error. Nobody has measured it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,3 +54,15 @@ class WithTerms:
             if weight:
                 total = total + weight * term.gains(known.views)
         return total
+
+
+def with_terms(score: Objective[ErrorHistogram], terms: Sequence[tuple[float, Objective[BoxViews]]]) -> Objective[ScannedBox]:
+    """Return a score with terms; those of a choice go inside it, where they change which view is chosen.
+
+    Args:
+        score: Any score of a histogram, of :data:`viewgain.gain.HISTOGRAM_OBJECTIVES` or your own.
+        terms: Weights, in units of the score (of a choice: of what it chooses by), and terms.
+    """
+    if isinstance(score, Choice):
+        return Choice(with_terms(score.objective, terms), score.best, score.others)
+    return WithTerms(score, tuple(terms))

@@ -28,8 +28,8 @@ class DataSettings:
     frame: Frame = "object"
     """Frame that the points are shown in, whichever the data set has them in."""
     target: str = "gain_published"
-    """Which scores of the data set are learned; also ``histogram:ESTIMATOR:OBJECTIVE`` of stored volume errors, or
-    ``tally:4,3,2,2:SEED`` (``viewgain.datasets.with_target``)."""
+    """Which scores of the data set are learned; also ``histogram:ESTIMATOR:OBJECTIVE`` of stored volume errors, with
+    terms (``+incidence+border``) or without, or ``tally:4,3,2,2:SEED`` (``viewgain.datasets.with_target``)."""
     divisions: tuple[str, ...] = ()
     """Learn from what is in part ``train`` of each of these divisions; empty to learn from all samples."""
     validation_share: float = 0.1
