@@ -77,13 +77,12 @@ table2: $(VENV)/dev.stamp ## Build the paper's boxes, train briefly, print its T
 	$(BIN)/viewgain export runs/volume_paper_tally --out runs/volume_paper_tally.onnx
 	$(BIN)/viewgain evaluate table2 --data data/boxes --models runs/volume_paper_tally.onnx --target tally:4,3,2,2:0 --out tables/table2-tally $(ARGS)
 
-table2-terms: TABLE2_MINUTES := 4
 table2-terms: $(VENV)/dev.stamp ## The same with each constraint of time of flight and without, on a tenth of the scans (half an hour)
 	$(BIN)/viewgain dataset build boxes_paper_tenth --out data/tenth --workers 2 --resume --errors lines_published
 	$(BIN)/viewgain evaluate labels --data data/tenth --out tables/table2-labels
 	for terms in "" +incidence +border +incidence+border; do \
 		target=histogram:lines_published:soft$$terms; \
-		$(call trained,volume_paper_short,data/tenth,terms$$terms,--target $$target) && \
+		$(call trained,volume_paper_short,data/tenth,terms$$terms,--target $$target --iterations 1200) && \
 		$(BIN)/viewgain export $$run --out $$run.onnx && \
 		$(BIN)/viewgain evaluate table2 --data data/tenth --models $$run.onnx --target $$target --out tables/table2-terms$$terms $(ARGS) || exit; \
 	done

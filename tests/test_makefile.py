@@ -67,9 +67,9 @@ def test_table2_goes_on_with_an_interrupted_run_and_skips_a_finished_one(checkou
 @pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
 def test_table2_terms_trains_and_judges_each_labelling_by_itself(checkout: Path) -> None:
     terms = ("", "+incidence", "+border", "+incidence+border")
-    rest, target = "--data data/tenth --minutes 4", "histogram:lines_published:soft"
+    rest, target = "--data data/tenth --minutes 30", "histogram:lines_published:soft"
     begun = "train volume_paper_short --data data/tenth --out runs/terms"
-    fresh = [f"{begun}{each} --minutes 4 --target {target}{each}" for each in terms]
+    fresh = [f"{begun}{each} --minutes 30 --target {target}{each} --iterations 1200" for each in terms]
     (checkout / "interrupt").touch()
     code, trained = made(checkout, "table2-terms")
     assert code != 0
