@@ -23,6 +23,7 @@ from benchmarks import (
     real,
     real_tof,
     rounding,
+    run_episodes,
     simulation,
     stacks,
     surrogate,
@@ -50,6 +51,7 @@ BENCHMARKS = {
     "data-statistics": data_statistics.run,
     "network": network.run,
     "rounding": rounding.run,
+    "run-episodes": run_episodes.run,
     "surrogate": surrogate.run,
     "error-model": error_model.run,
     "confidence": confidence.run,
@@ -81,9 +83,12 @@ def main() -> None:
         "--pictures", type=Path, help="volume, calibration, confidence, published-noise, real-tof: also draw, into this folder"
     )
     parser.add_argument(
-        "--data", nargs="*", type=Path, help="folders: data sets of data-statistics, rounding; results of confidence"
+        "--data",
+        nargs="*",
+        type=Path,
+        help="folders: data sets of data-statistics, rounding, run-episodes; results of confidence",
     )
-    parser.add_argument("--runs", nargs="*", type=Path, help="rounding: folders of training runs")
+    parser.add_argument("--runs", nargs="*", type=Path, help="rounding, run-episodes: folders of training runs")
     parser.add_argument("--kept", type=Path, help="error-model: folder that keeps what was measured, and gives it back")
     parser.add_argument("--out", type=Path, help="error-model, confidence: also write the fit to all boxes, into this file")
     options = parser.parse_args()

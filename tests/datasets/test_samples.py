@@ -1,6 +1,7 @@
 """What a sample says must agree with itself and with the world it was made in."""
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from tests.datasets.engines import Inline
-from viewgain.datasets import BoxSettings, Dataset, PointRules, Recipe, Sample, build, plan_of, recipe
+from viewgain.datasets import BoxSettings, CoverageSettings, Dataset, PointRules, Recipe, Sample, build, plan_of, recipe
 from viewgain.datasets._mesh_units import mesh_of
 from viewgain.datasets._seeds import SURFACE, generator
 from viewgain.errors import ConfigError
@@ -82,6 +83,27 @@ def test_coverage_samples_hold_the_labels_that_the_clouds_give_when_asked_again(
         seen = np.concatenate([clouds[view] for view in visited])
         gap, _ = KDTree(seen).query(sample.points)
         assert gap.max() < 2e-5  # half a step of the stored numbers
+
+
+def test_samples_of_sequences_that_stray_hold_what_each_view_would_add_to_their_own(tmp_path: Path) -> None:
+    tiny = recipe("coverage_pcnbv_tiny")
+    assert isinstance(tiny.content, CoverageSettings)
+    astray = replace(tiny, content=replace(tiny.content, starts=2, steps=4, wander=0.9))
+    build(plan_of(astray), tmp_path / "data", engine=Inline())
+    data = Dataset(tmp_path / "data")
+    assert [sample.step for sample in data] == [0, 1, 2, 3] * 4
+    best = 0
+    for before, after in pairwise(data):
+        union = before.in_rig_order(before.targets["gain_union"])
+        if after.step:
+            assert after.coverage == pytest.approx(
+                before.coverage + union[after.view], abs=1e-6
+            )  # both are stored in single precision
+            best += int(before.in_rig_order(before.targets["gain_published"]).argmax() == after.view)
+        masks = np.unpackbits(data.masks(before.object), axis=1).astype(bool)
+        known = masks[np.flatnonzero(before.in_rig_order(before.state))].any(axis=0)
+        np.testing.assert_allclose(union, (masks & ~known).sum(axis=1) / 16384, atol=1e-7)
+    assert best < 8  # of 12 steps; about one in ten is not drawn
 
 
 def test_masks_give_the_union_gain_without_rays(coverage: Dataset) -> None:

@@ -101,6 +101,31 @@ def test_labels_are_those_of_the_accumulated_cloud(search: Search, rule: str, se
     assert labels.coverage_union.tolist() == twin.coverage_union
 
 
+@given(seed=SEEDS, wander=st.floats(0, 1), rule=st.sampled_from(["published", "union"]))
+def test_labels_of_a_sequence_that_strays_are_those_of_its_own_order(seed: int, wander: float, rule: Rule) -> None:
+    clouds, surface, reach = problem(seed)
+    covered = cover(clouds, surface, reach)
+    rng = np.random.default_rng(seed)
+    labels = greedy_labels(covered, first=seed % 4, steps=5, rule=rule, wander=wander, rng=rng)
+    order = labels.order.tolist()
+    twin = walk(clouds, surface, reach, first=seed % 4, steps=5, rule=rule, order=order)
+    assert labels.gains_published.tolist() == twin.gains_published
+    assert labels.gains_union.tolist() == twin.gains_union
+    assert labels.coverage_union.tolist() == twin.coverage_union
+    for step, (view, gains) in enumerate(zip(order, labels.gains(rule), strict=True)):
+        assert view == np.argmax(gains) or view not in (seed % 4, *order[:step])
+
+
+@given(seed=SEEDS)
+def test_a_sequence_strays_as_often_as_it_is_asked_to(seed: int) -> None:
+    clouds, surface, reach = problem(seed)
+    covered = cover(clouds, surface, reach)
+    straight = greedy_labels(covered, first=0, steps=3, wander=0.0, rng=np.random.default_rng(seed))
+    same_labels(straight, greedy_labels(covered, first=0, steps=3))
+    lost = greedy_labels(covered, first=0, steps=len(clouds) - 1, wander=1.0, rng=np.random.default_rng(seed))
+    assert sorted(lost.order.tolist()) == list(range(1, len(clouds)))  # all others, each once
+
+
 def dense(seed: int, views: int) -> tuple[list[np.ndarray], np.ndarray, float]:
     """Return views of a wavy sheet, each of a part of it: here whole cubes of points are settled at once."""
     rng = np.random.default_rng(seed)
@@ -332,7 +357,9 @@ def test_nonsense_is_refused(changes: dict[str, object], kind: type[Exception]) 
 
 def test_starts_and_rules_are_checked() -> None:
     covered = bad_cover()
-    for request in ({"first": 1, "steps": 1}, {"first": 0, "steps": 0}, {"first": 0, "steps": 1, "rule": "best"}):
+    rng, fine = np.random.default_rng(0), {"first": 0, "steps": 1}
+    astray = [fine | wrong for wrong in ({"wander": 0.5}, {"wander": 1.5, "rng": rng}, {"wander": -0.5, "rng": rng})]
+    for request in ({"first": 1, "steps": 1}, {"first": 0, "steps": 0}, fine | {"rule": "best"}, *astray):
         with pytest.raises(ConfigError, match="wanted"):
             greedy_labels(covered, **request)  # type: ignore[arg-type]
     for starts, steps, rule in (([0, 1, 0, 0], 1, "published"), ([0] * 4, 0, "published"), ([0] * 4, 1, "best")):

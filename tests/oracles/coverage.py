@@ -34,16 +34,18 @@ class Walk:
     coverage_union: list[float]
 
 
-def walk(clouds: Sequence[Array], surface: Array, reach: float, *, first: int, steps: int, rule: str) -> Walk:
-    """Return the greedy sequence, with the accumulated cloud kept as a cloud as the published scripts do."""
+def walk(
+    clouds: Sequence[Array], surface: Array, reach: float, *, first: int, steps: int, rule: str, order: Sequence[int] = ()
+) -> Walk:
+    """Return the greedy sequence, or that of an order, with the accumulated cloud kept as a cloud as the published scripts do."""
     accumulated, known = clouds[first], covered_by(clouds[first], surface, reach)
     result = Walk([], [], [], [float(np.mean(known))], [float(np.mean(known))])
-    for _ in range(steps):
+    for step in range(steps):
         new = [cloud[~np.any(near(cloud, accumulated, reach), axis=1)] for cloud in clouds]
         published = [float(np.mean(covered_by(points, surface, reach))) for points in new]
         union = [float(np.mean(covered_by(cloud, surface, reach) & ~known)) for cloud in clouds]
         gains = published if rule == "published" else union
-        best = max(range(len(clouds)), key=lambda view: (gains[view], -view))
+        best = order[step] if order else max(range(len(clouds)), key=lambda view: (gains[view], -view))
         result.order.append(best)
         result.gains_published.append(published)
         result.gains_union.append(union)

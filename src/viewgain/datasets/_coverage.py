@@ -3,7 +3,7 @@
 One ray casting and one search for near points per mesh serve every start and every step.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +13,21 @@ from viewgain.arrays import Mask, Points, Poses
 from viewgain.datasets._mesh_units import mesh_of, mesh_units
 from viewgain.datasets._points import kept
 from viewgain.datasets._sample import UNKNOWN_DIMS, Sample
-from viewgain.datasets._seeds import START, SURFACE, generator
+from viewgain.datasets._seeds import START, SURFACE, WANDER, generator
 from viewgain.datasets._settings import CoverageSettings, Recipe
 from viewgain.datasets._station import seen_from
 from viewgain.datasets._unit import Made, Masks, Skipped, Unit
 from viewgain.errors import ConfigError
-from viewgain.gain import COVERAGE_PROTOCOLS, Cover, CoverageLabels, cover, labels_from, model_clouds, surface_samples
+from viewgain.gain import (
+    COVERAGE_PROTOCOLS,
+    Cover,
+    CoverageLabels,
+    cover,
+    greedy_labels,
+    labels_from,
+    model_clouds,
+    surface_samples,
+)
 from viewgain.geometry import inverse
 from viewgain.rigs import Target, poses, rig
 from viewgain.scans import Scan
@@ -45,7 +54,7 @@ class CoverageMaker:
             folder: Meshes; None for procedural ones.
 
         Raises:
-            ConfigError: If there is no such protocol, or more starts than views.
+            ConfigError: If there is no such protocol, or more starts or steps than it has.
         """
         if content.protocol not in COVERAGE_PROTOCOLS:
             raise ConfigError(f"coverage: got protocol {content.protocol!r}, wanted one of {', '.join(COVERAGE_PROTOCOLS)}")
@@ -54,6 +63,11 @@ class CoverageMaker:
         self._views: Poses = poses(rig(self._protocol.rig), Target.at(np.zeros(3)), distance=self._protocol.distance)
         if not 0 <= content.starts <= len(self._views):
             raise ConfigError(f"coverage: got {content.starts} starts, wanted 0 to {len(self._views)}")
+        self._steps = content.steps or self._protocol.steps
+        if self._steps > self._protocol.steps:
+            raise ConfigError(
+                f"coverage: got {content.steps} steps, wanted 0 to {self._protocol.steps}, as {content.protocol} has"
+            )
 
     def units(self) -> Iterator[Unit]:
         """Yield one unit per mesh."""
@@ -70,7 +84,7 @@ class CoverageMaker:
         samples: list[Sample] = []
         skipped: list[Skipped] = []
         starts = self._starts(unit)
-        for first, labels in zip(starts, labels_from(covered, starts, steps=self._protocol.steps), strict=True):
+        for first, labels in zip(starts, self._labels(unit, covered, starts), strict=True):
             if len(clouds[first]):
                 samples += self._episode(unit, clouds, labels)
             else:
@@ -87,13 +101,24 @@ class CoverageMaker:
         rng = generator(self._recipe.seed, (unit.object, START, 0, 0))
         return [int(view) for view in rng.permutation(len(self._views))[: self._content.starts]]
 
+    def _labels(self, unit: Unit, covered: Cover, starts: list[int]) -> Iterable[CoverageLabels]:
+        """Return the sequence of views from each start, and what each view would add at its steps."""
+        wander, steps = self._content.wander, self._steps
+        if not wander:
+            return labels_from(covered, starts, steps=steps)
+        streams = [generator(self._recipe.seed, (unit.object, WANDER, first, 0)) for first in starts]
+        return [
+            greedy_labels(covered, first=first, steps=steps, wander=wander, rng=rng)
+            for first, rng in zip(starts, streams, strict=True)
+        ]
+
     def _episode(self, unit: Unit, clouds: list[Points], labels: CoverageLabels) -> Iterator[Sample]:
-        """Yield what is known and what each view would add, before each step of the greedy sequence from one start."""
+        """Yield what is known and what each view would add, before each step of the sequence from one start."""
         first = labels.first
         state = np.zeros(len(self._views), dtype=bool)
         visited = [first, *labels.order.tolist()]
         seen: list[Points] = []
-        for step, view in enumerate(visited[: self._protocol.steps]):
+        for step, view in enumerate(visited[: self._steps]):
             if not state[view]:
                 seen.append(clouds[view])
             state[view] = True

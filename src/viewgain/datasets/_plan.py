@@ -18,6 +18,8 @@ from viewgain.errors import DataError
 
 SCHEMA = 1
 """Version of the layout on disk."""
+_LATER = {"coverage": ("steps", "wander")}
+"""Keys that came after there were data sets. Where they are not used they are no part of a data set's identity."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +48,8 @@ class Plan:
         """What the data set is, as it stands in recipe.json."""
         units = [[unit.object, unit.name, unit.category] for unit in self.units]
         recipe = {key: value for key, value in recipe_to_dict(self.recipe).items() if key != "makes"}
+        kind = self.recipe.content.kind
+        recipe[kind] = {key: value for key, value in recipe[kind].items() if value or key not in _LATER.get(kind, ())}
         return {"schema": SCHEMA, "recipe": recipe, "tables": asdict(self.tables), "units": units}
 
     @cached_property

@@ -6,7 +6,7 @@ import numpy as np
 
 SeedKey: TypeAlias = tuple[int, int, int, int]
 """(object, purpose, view, capture or start): the spawn key of the stream, kept with every sample."""
-SPLIT, SCENE, SCAN, SURFACE, START = range(5)
+SPLIT, SCENE, SCAN, SURFACE, START, WANDER = range(6)
 """Purposes of a stream."""
 
 

@@ -43,6 +43,10 @@ class CoverageSettings:
     """A key of ``viewgain.gain.COVERAGE_PROTOCOLS``: rig, steps, surface points, reach, camera."""
     starts: int = 0
     """First views per mesh, drawn without repetition; 0 for every view of the rig."""
+    steps: int = 0
+    """Samples of each sequence of views: after 1, 2, ... of them; 0 for as many as the protocol has steps."""
+    wander: float = 0.0
+    """Chance at each step that the next view of the sequence is drawn at random among those not taken, instead of the best."""
     per_category: int = 40
     """Procedural objects per category, where no folder of meshes is given."""
     categories: tuple[str, ...] = ()
@@ -58,6 +62,8 @@ class CoverageSettings:
 
     def __post_init__(self) -> None:
         _check_counts("coverage", self.per_category, self.test_share)
+        if self.steps < 0 or not 0 <= self.wander <= 1:
+            raise ConfigError(f"coverage: got steps {self.steps} and wander {self.wander}, wanted 0 or more, and 0 to 1")
         if self.per_held_out < 1 or set(self.held_out) & set(self.categories) or (self.held_out and not self.categories):
             raise ConfigError("coverage: wanted categories beside held_out, none in both, and per_held_out of 1 or more")
 

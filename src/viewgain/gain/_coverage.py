@@ -75,17 +75,27 @@ class NewPoints:
         tally(self._counts, whole.pairs, known, self._views, -1, search=whole.search)
 
 
-def greedy_labels(covered: Cover, *, first: int, steps: int, rule: Rule = "published") -> CoverageLabels:
-    """Return the gains of every view at every step of one greedy sequence, by both rules.
+def greedy_labels(
+    covered: Cover,
+    *,
+    first: int,
+    steps: int,
+    rule: Rule = "published",
+    wander: float = 0.0,
+    rng: np.random.Generator | None = None,
+) -> CoverageLabels:
+    """Return the gains of every view at every step of one greedy sequence, or of one that strays from it, by both rules.
 
     Args:
         covered: What the views cover, of :func:`cover`; made once, it serves every first view.
         first: The view that is there from the start.
         steps: How many views follow, >= 1.
         rule: By which gain the next view is chosen.
+        wander: Chance at each step that the next view is drawn at random among those not chosen yet (while there is one).
+        rng: Source of these chances and views; needed if there are any.
 
     Raises:
-        ConfigError: If there is no such first view, no step, or no such rule.
+        ConfigError: If there is no such first view, no step, no such rule, no such chance, or one without a source.
 
     Source:
         Zeng et al. (2020), public scripts. Differs in nothing but the precision: theirs is float32. (Where no view adds anything
@@ -93,6 +103,8 @@ def greedy_labels(covered: Cover, *, first: int, steps: int, rule: Rule = "publi
     """
     require_start(first, steps, covered.views)
     _require_rule(rule)
+    if not 0 <= wander <= 1 or (wander > 0 and rng is None):
+        raise ConfigError(f"coverage: got wander {wander} and rng {rng}, wanted a chance from 0 to 1, and a generator if over 0")
     fresh, known = NewPoints(covered), np.zeros_like(covered.masks[first])
     order, published, union = [first], [fresh.gains], [size(covered.masks)]
     for _ in range(steps):
@@ -100,8 +112,14 @@ def greedy_labels(covered: Cover, *, first: int, steps: int, rule: Rule = "publi
         known |= covered.masks[order[-1]]
         published.append(fresh.gains)
         union.append(size(covered.masks & ~known))
-        order.append(int(np.argmax(published[-1] if rule == "published" else union[-1])))
+        best = int(np.argmax(published[-1] if rule == "published" else union[-1]))
+        order.append(best if rng is None else _strayed(best, np.delete(np.arange(covered.views), order), wander, rng))
     return _labels(covered, order, published, union)
+
+
+def _strayed(best: int, others: Indices, wander: float, rng: np.random.Generator) -> int:
+    """Return the best view or, with a chance of ``wander``, one of those not chosen yet."""
+    return int(rng.choice(others)) if rng.random() < wander and len(others) else best
 
 
 def labels_from(covered: Cover, starts: Sequence[int], *, steps: int, rule: Rule = "published") -> tuple[CoverageLabels, ...]:
