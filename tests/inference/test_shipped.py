@@ -2,10 +2,11 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from viewgain.cli import main
-from viewgain.inference import VOLUME_MODEL, PoseScorer, Scorer, find_model, shipped_models
+from viewgain.inference import VOLUME_MODEL, PoseScorer, Scorer, find_model, shipped_models, volume_scorer
 
 LARGEST, ALL = 8e6, 40e6
 """Bytes of one file, and of all together."""
@@ -37,3 +38,12 @@ def test_on_fresh_objects_they_choose_far_better_than_the_constant_answer(capsys
         learned = [share for name, share in exact.items() if name in shipped_models()]
         assert learned
         assert min(learned) > exact["constant answer"] + 0.05
+
+
+def test_the_network_for_volumes_is_opened_once_and_says_what_its_file_says() -> None:
+    rng = np.random.default_rng(0)
+    points, poses = rng.uniform(0.5, 1.5, (300, 3)), np.tile(np.eye(4), (3, 1, 1))
+    poses[:, :3, 3] = rng.normal(size=(3, 3))
+    assert volume_scorer() is volume_scorer()
+    again = PoseScorer.load(VOLUME_MODEL).assessed(points, poses)
+    np.testing.assert_array_equal(volume_scorer().assessed(points, poses).scores, again.scores)

@@ -10,7 +10,7 @@ from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
 from viewgain.cli._text import decider_in_words, decision_in_words, measurement_table, ranking_table, to_stdout
 from viewgain.errors import ConfigError
-from viewgain.inference import VOLUME_MODEL, Ensemble, PoseScorer, find_model, model_name, shipped_models
+from viewgain.inference import Ensemble, PoseScorer, find_model, model_name, shipped_models, volume_scorer
 from viewgain.measure import POSE_SIGMA, REASONS, fuse, measure
 from viewgain.plan import (
     AutomaticPolicy,
@@ -95,7 +95,8 @@ def _for_volume(command: Next, scan: Scan) -> Policy:
             " was trained for volumes; name it with --model, or none for the shipped one"
         )
     model = ExpectedErrorPolicy() if deciding.policy == "combined" else None
-    return VolumeNetworkAboutBox(PoseScorer.load(deciding.model[0] if deciding.model else VOLUME_MODEL), scan, model)
+    network = PoseScorer.load(deciding.model[0]) if deciding.model else volume_scorer()
+    return VolumeNetworkAboutBox(network, scan, model)
 
 
 def _shipped(rig_name: str, *, posed: bool) -> Path:

@@ -14,6 +14,7 @@ from viewgain.inference._normalise import normalised as normalised
 from viewgain.inference._normalise import thinned as thinned
 from viewgain.inference._pose_scorer import POSE_INPUTS as POSE_INPUTS
 from viewgain.inference._pose_scorer import PoseScorer as PoseScorer
+from viewgain.inference._pose_scorer import volume_scorer as volume_scorer
 from viewgain.inference._scorer import INPUTS as INPUTS
 from viewgain.inference._scorer import Scorer as Scorer
 from viewgain.inference._scores import CloudScorer as CloudScorer

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from viewgain.arrays import Poses
-from viewgain.inference import VOLUME_MODEL, PoseScorer
+from viewgain.inference import volume_scorer
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan._belief import Belief
 from viewgain.plan._expected import ExpectedErrorPolicy
@@ -30,8 +30,7 @@ class AutomaticPolicy:
         """Return who decides; raises ModelError if the shipped network cannot be read."""
         if belief.bounded:
             return CovariancePolicy(self.pose_sigma)
-        network = PoseScorer.load(VOLUME_MODEL)
-        return VolumeNetworkAboutBox(network, self.scan, ExpectedErrorPolicy(pose_sigma=self.pose_sigma))
+        return VolumeNetworkAboutBox(volume_scorer(), self.scan, ExpectedErrorPolicy(pose_sigma=self.pose_sigma))
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return the assessments of who decides."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from viewgain.arrays import Mask, Poses
 from viewgain.errors import ConfigError
-from viewgain.inference import VOLUME_MODEL, PoseScorer
+from viewgain.inference import volume_scorer
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan._belief import Belief
 from viewgain.plan._confidence import decision_numbers, shipped_confidence
@@ -45,7 +45,7 @@ class VolumeJudge:
             ModelError: If the shipped network or confidence cannot be read.
         """
         by_model = ExpectedErrorPolicy(pose_sigma=self.pose_sigma).assess(belief, candidates, NEARLY)
-        by_network = PoseScorer.load(VOLUME_MODEL).assessed(self.scan.points, candidates).scores
+        by_network = volume_scorer().assessed(self.scan.points, candidates).scores
         model = np.array([1 - each.score for each in by_model])
         opinions = Opinions(model, -by_network, trust(belief), np.asarray(reachable, dtype=bool))
         return shipped_confidence().chance(decision_numbers(opinions, chosen))
