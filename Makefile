@@ -107,9 +107,9 @@ table2-recorded: data/recordings-simulated/boxes.toml ## Simulate recordings as 
 volume_policies = network:pose_scores-$(1)-camera combined:pose_scores-$(1)-camera expected covariance farthest random constant oracle
 
 volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume is chosen, on fresh boxes (hours; goes on where it was)
-	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) --out tables/volume $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) informed --out tables/volume $(ARGS)
 	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) --estimator lines_published --out tables/volume-lines $(ARGS)
-	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --policies $(call volume_policies,irregular) --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --policies $(call volume_policies,irregular) informed --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
 
 # What no training of volumes saw: a camera, a rig, and boxes larger than any, from farther away.
 held_out = $(BIN)/viewgain evaluate volume --boxes 60 --seed 7 --captures 8 --workers 2 --policies $(call volume_policies,irregular4)
