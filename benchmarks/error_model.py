@@ -12,6 +12,7 @@ from benchmarks._measured_boxes import measured_boxes
 from benchmarks._tables import markdown, percent
 from viewgain.arrays import Array
 from viewgain.datasets import write_whole
+from viewgain.evaluation import shares_by_object
 from viewgain.plan import ErrorModel
 
 BOXES = 1000
@@ -19,7 +20,8 @@ BOXES = 1000
 FOLDS = 5
 GROUPS = (0.0, 0.005, 0.01, 0.02, 0.05, 0.2, 1.0)
 """Runs are put together by what is said of them."""
-DRAWS = 1000
+_WORDS = """Mean squared error of what is said of a run, a miss counts as 1; intervals: boxes drawn anew. Then the mean
+outcome at each box's position that is said to be best, among one run of each (the best run is partly luck)."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -30,13 +32,7 @@ def run(options: argparse.Namespace) -> None:
     physical = np.array([guess.expected for guess in runs.physical])
     learned = _out_of_fold(runs, len(boxes))
     print("## Learned part of the expected error\n")
-    print(
-        f"{len(boxes)} boxes, {FOLDS} folds by box; intervals: boxes drawn anew. Mean squared error of what is said of a run, a"
-    )
-    print(
-        "miss counts as 1; then the mean outcome at each box's position that is said to be best, among one run of each (the best"
-    )
-    print("run is partly luck).\n")
+    print(f"{len(boxes)} boxes, {FOLDS} folds by box. {_WORDS}\n")
     header = ("scans", "runs", "mean outcome", "constant answer", "physical guess", "learned", "at the physical guess's best",
               "at the learned one's", "at any position", "best run")  # fmt: skip
     parts = (("alone", ~runs.fused), ("fused in pairs", runs.fused))
@@ -96,9 +92,6 @@ def _said_and_found(said: Array, runs: Runs) -> list[str]:
 
 
 def _by_box(values: Array, runs: Runs) -> tuple[float, float, float]:
-    """Return the mean of (n,) values over runs and its 95 % interval, boxes drawn anew."""
-    _, owner = np.unique(runs.owner, return_inverse=True)
-    sums, counts = np.bincount(owner, values), np.bincount(owner)
-    drawn = np.random.default_rng(0).integers(len(counts), size=(DRAWS, len(counts)))
-    low, high = np.quantile(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1), [0.025, 0.975])
-    return float(values.mean()), float(low), float(high)
+    """Return the mean of (n,) values over runs and its 95 % interval."""
+    found = shares_by_object(values[:, None], runs.owner, rng=np.random.default_rng(0))
+    return found.mean[0], found.low[0], found.high[0]

@@ -13,9 +13,9 @@ from viewgain.evaluation._bootstrap import Shares, difference_by_object, median_
 from viewgain.evaluation._loop_case import LoopSettings
 from viewgain.evaluation._loop_play import LoopPlay
 from viewgain.evaluation._loop_policies import FEWEST, RANDOM
+from viewgain.evaluation._plain import finite
 from viewgain.evaluation._quantity import Quantity
 from viewgain.evaluation._ratios import ratio
-from viewgain.evaluation._volume_table import finite
 
 LOOP_COLUMNS = ("views_to_stop", "never_stopped", "views_to_tolerance", "never_within_tolerance", "final_error")
 """What is averaged over boxes; a policy that never got there counts with the most views."""

@@ -27,9 +27,9 @@ UNIFORM, CONSTANT, OFFSET, ORACLE = "uniform guess", "constant position", "const
 """Rows that need no decision made on a scan."""
 FLOORS: Mapping[str, tuple[str, ...]] = {"random": (UNIFORM,), "constant": (CONSTANT, OFFSET), "oracle": (ORACLE,)}
 """The rows that each of these names asks for."""
-BY_OTHERS, INFORMED = "informed", "informed (other cameras)"
-"""Who knows the box and the model of the camera, but not this camera's own systematic error: a name, and the row it asks for."""
-VOLUME_FLOORS = {**FLOORS, BY_OTHERS: (INFORMED,)}
+INFORMED, OTHER_CAMERAS = "informed", "informed (other cameras)"
+"""A name and the row that it asks for: who knows the box and the model of the camera, but not this camera's systematic error."""
+VOLUME_FLOORS = {**FLOORS, INFORMED: (OTHER_CAMERAS,)}
 """The same where volumes of boxes are judged."""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from viewgain.arrays import Array
 from viewgain.evaluation._claim import damaged, kept_text
+from viewgain.evaluation._plain import finite
 from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings
 from viewgain.evaluation._volume_errors import case_errors, errors_by_others
 
@@ -23,24 +24,31 @@ class Truth:
 
 
 def truth_of(case: VolumeCase, known: Truth | None, *, others: bool) -> Truth:
-    """Return what is known of a case and, where something is missing, work it out.
+    """Return what is known of a case: the very same where nothing is missing, else with what is missing worked out.
 
     Args:
         case: The box.
         known: What is known.
         others: Whether scans by other cameras are wanted.
     """
-    errors = case_errors(case) if known is None else known.errors
-    by_others = None if known is None else known.by_others
-    return Truth(errors, errors_by_others(case) if others and by_others is None else by_others)
+    if known is None:
+        return Truth(case_errors(case), errors_by_others(case) if others else None)
+    if others and known.by_others is None:
+        return Truth(known.errors, errors_by_others(case))
+    return known
 
 
 def truth_text(truth: Truth, case: VolumeCase) -> str:
     """Return what is kept of a box: errors, null for a miss, beside what tells a reader which box it is."""
-    known = {"box": case.number, "size_m": case.box.extents.tolist(), "present": case.present, "errors": _rows(truth.errors)}
+    kept = {
+        "box": case.number,
+        "size_m": case.box.extents.tolist(),
+        "present": case.present,
+        "errors": truth.errors.tolist(),
+    }
     if truth.by_others is not None:
-        known["errors_by_others"] = _rows(truth.by_others)
-    return json.dumps(known, allow_nan=False) + "\n"
+        kept["errors_by_others"] = truth.by_others.tolist()
+    return json.dumps(finite(kept), allow_nan=False) + "\n"
 
 
 def kept_truth(file: Path, settings: VolumeSettings) -> Truth | None:
@@ -54,21 +62,11 @@ def kept_truth(file: Path, settings: VolumeSettings) -> Truth | None:
         return None
     try:
         content = json.loads(text)
-        errors = _table(content["errors"])
-        by_others = _table(content["errors_by_others"]) if "errors_by_others" in content else None
+        errors = np.array(content["errors"], dtype=float)
+        by_others = np.array(content["errors_by_others"], dtype=float) if "errors_by_others" in content else None
     except (ValueError, TypeError, KeyError) as error:
         raise damaged(file) from error
-    views = len(settings.stations().stations)
-    if errors.shape != (views, 2 * settings.captures):
-        raise damaged(file)
-    if by_others is not None and by_others.shape != (views, settings.captures):
+    views, captures = len(settings.stations().stations), settings.captures
+    if errors.shape != (views, 2 * captures) or (by_others is not None and by_others.shape != (views, captures)):
         raise damaged(file)
     return Truth(errors, by_others)
-
-
-def _rows(errors: Array) -> list[list[float | None]]:
-    return [[float(error) if np.isfinite(error) else None for error in row] for row in errors]
-
-
-def _table(rows: list[list[float | None]]) -> Array:
-    return np.array([[np.nan if error is None else float(error) for error in row] for row in rows], dtype=float)

@@ -11,7 +11,7 @@ from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file,
 from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim
 from viewgain.evaluation._volume_case import VolumeSettings, volume_case
-from viewgain.evaluation._volume_choices import BY_OTHERS, DECIDING, is_from_file, network_of, policy_of
+from viewgain.evaluation._volume_choices import DECIDING, INFORMED, is_from_file, network_of, policy_of
 from viewgain.evaluation._volume_confidence import opinions_of
 from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
@@ -95,7 +95,7 @@ def run_boxes(
             settings=settings,
             number=number,
             policies=deciding,
-            others=BY_OTHERS in policies,
+            others=INFORMED in policies,
             known=None if folder is None else kept_truth(box_file(folder, number), settings),
         )
         for number in range(boxes)
@@ -125,5 +125,4 @@ def _worked_out(task: _Task) -> _Done:
         milliseconds=spent,
         numbers={} if opinions is None else {name: decision_numbers(opinions, made.position) for name, made in choices.items()},
     )
-    is_new = task.known is None or (task.others and task.known.by_others is None)
-    return _Done(run, truth_text(truth, case) if is_new else None)
+    return _Done(run, None if truth is task.known else truth_text(truth, case))

@@ -11,13 +11,14 @@ from viewgain.arrays import Array
 from viewgain.errors import DataError
 from viewgain.evaluation._bootstrap import Shares, shares_by_object
 from viewgain.evaluation._decisions import JUDGED, constant_choices, guessed, judged
+from viewgain.evaluation._plain import finite
 from viewgain.evaluation._position_scores import PositionScores, agreement, best_positions, position_scores
 from viewgain.evaluation._quantity import Quantity
 from viewgain.evaluation._ratios import ratio
 from viewgain.evaluation._risk import risks_at
 from viewgain.evaluation._selective import Selective, selective
 from viewgain.evaluation._volume_case import VolumeSettings
-from viewgain.evaluation._volume_choices import CONSTANT, INFORMED, OFFSET, ORACLE, UNIFORM, VOLUME_FLOORS
+from viewgain.evaluation._volume_choices import CONSTANT, OFFSET, ORACLE, OTHER_CAMERAS, UNIFORM, VOLUME_FLOORS
 from viewgain.evaluation._volume_runs import VolumeRun
 from viewgain.plan import shipped_confidence
 
@@ -127,7 +128,7 @@ def _results(
         UNIFORM: lambda: guessed(scoring),
         CONSTANT: lambda: judged(scoring, constant_choices(scoring).tolist()),
         OFFSET: lambda: judged(scoring, constant_choices(scoring, [run.present for run in runs]).tolist()),
-        INFORMED: lambda: judged(scoring, [_by_others(run).least for run in runs]),
+        OTHER_CAMERAS: lambda: judged(scoring, [_by_others(run).least for run in runs]),
         ORACLE: lambda: oracle,
     }
     results: dict[str, Array] = {}
@@ -141,7 +142,7 @@ def _results(
 
 def _by_others(run: VolumeRun) -> PositionScores:
     if run.by_others is None:
-        raise DataError(f"evaluate volume: got no scans of box {run.number} by other cameras, wanted them for {INFORMED}")
+        raise DataError(f"evaluate volume: got no scans of box {run.number} by other cameras, wanted them for {OTHER_CAMERAS}")
     return position_scores(run.by_others, run.reachable)
 
 
@@ -163,12 +164,3 @@ def _sure(runs: Sequence[VolumeRun], name: str, values: Array, oracle: Array, *,
 def _median(runs: Sequence[VolumeRun], name: str) -> float | None:
     spent = [run.milliseconds[name] for run in runs if name in run.milliseconds]
     return float(np.median(spent)) if spent else None
-
-
-def finite(value: Any) -> Any:
-    """Return plain values with None for what is no finite number: a ratio to an oracle without any error."""
-    if isinstance(value, dict):
-        return {key: finite(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

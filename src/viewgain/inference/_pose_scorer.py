@@ -71,7 +71,7 @@ class PoseScorer:
 
 @cache
 def volume_scorer() -> PoseScorer:
-    """Return the shipped network that decides for the volume where none is named, opened once: opening takes 20 ms, asking 2.
+    """Return the shipped network that decides for the volume where none is named, opened once: that takes longer than asking.
 
     Raises:
         ModelError: If its file is missing or damaged.
