@@ -41,10 +41,18 @@ def clouds(rng: np.random.Generator, batch: int, number: int, *, on_grid: bool =
 @pytest.mark.parametrize("uncertainty", ["none", "gaussian", "evidential"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_file_computes_what_torch_computes_for_any_batch_and_number(kind: Kind, uncertainty: str, tmp_path: Path) -> None:
-    settings = small_settings(kind, uncertainty=uncertainty)
-    network, rng = exported(tmp_path / "n.onnx", settings), np.random.default_rng(0)
-    scorer = Scorer.load(tmp_path / "n.onnx")
-    for batch, number in ((1, 64), (3, 64), (2, 9), (1, 200), (2, 512)):
+    assert_file_is_as_torch(small_settings(kind, uncertainty=uncertainty), tmp_path / "n.onnx")
+
+
+@pytest.mark.parametrize("kind", ["compact", "compact_view"])
+def test_so_does_one_whose_views_look(kind: Kind, tmp_path: Path) -> None:
+    assert_file_is_as_torch(small_settings(kind, rig="pcnbv16"), tmp_path / "n.onnx")
+
+
+def assert_file_is_as_torch(settings: NetworkSettings, file: Path) -> None:
+    network, rng = exported(file, settings), np.random.default_rng(0)
+    scorer = Scorer.load(file)
+    for batch, number in ((1, 64), (3, 64), (2, 9), (1, 203), (2, 512)):
         points, mask = clouds(rng, batch, number, on_grid=batch == 2)
         state = (rng.random((batch, 16)) < 0.3).astype(np.float32) if settings.with_view_state else None
         with torch.no_grad():

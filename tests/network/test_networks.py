@@ -12,7 +12,7 @@ from torch import Tensor
 from tests.oracles import network as oracle
 from viewgain.errors import ConfigError
 from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, parameters_of, scores_of, sigma_of
-from viewgain.network._compact import mean_present_first, turns_of
+from viewgain.network._compact import mean_present_first, stations_of
 from viewgain.network._neighbours import in_order
 from viewgain.rigs import Target, poses, rig
 
@@ -220,7 +220,7 @@ def test_what_lies_before_a_view_as_it_lay_before_another_looks_the_same(first: 
     features = features @ torch.rand(3, 32, generator=seeded(seed), dtype=torch.double)
     stations = poses(rig("pcnbv16"), Target.at(np.zeros(3)), distance=3.0)[:, :3, :3]
     turned = places @ torch.from_numpy((stations[second] @ stations[first].T).T)
-    turns = torch.from_numpy(turns_of("pcnbv16"))
+    turns = torch.from_numpy(stations_of("pcnbv16")[:, :3, :3])
     before, after = (network.look(features, each[:, None] @ turns)[0] for each in (places, turned))
     torch.testing.assert_close(after[second], before[first], rtol=0, atol=1e-12)
 

@@ -5,6 +5,7 @@ It takes the parameters of a fast network by name and shares no layer with it.
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn.functional import linear
 
@@ -100,6 +101,8 @@ def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Te
         answers = network.head(view_queries(network.queries, cloud, coarse, fine, seen, view_state))
         return answers.T.flatten() if answers.shape[1] > 1 else answers[:, 0]
     presence = network.guess.presence(view_queries(network.guess.queries, cloud, coarse, fine, seen, None))[:, 0]
+    if network.guess.even is not None:
+        presence = presence + 20 * network.guess.even(evenness(points, network.settings.rig))[:, 0]
     chances = torch.softmax(presence, dim=0)
     answers = network.head(view_queries(network.queries, cloud, coarse, fine, seen, chances))
     answers = sum(chance * torch.roll(answers, -view, dims=0) for view, chance in enumerate(chances))
@@ -128,3 +131,26 @@ def look(block: nn.Module, features: Tensor, points: Tensor, name: str) -> list[
         each = [torch.relu(block.what(f) + block.where(to_camera @ p)) for f, p in zip(features, points, strict=True)]
         seen.append(block.after(torch.stack(each).max(dim=0).values))
     return seen
+
+
+def evenness(points: Tensor, name: str) -> Tensor:
+    """Return (V, 4) statistics of the spacing of points in the image of each view of a rig, less their mean over the views."""
+    rows = []
+    for station in poses(rig(name), Target.at(np.zeros(3)), distance=1.0):
+        seen = np.c_[points.detach().numpy(), np.ones(len(points))] @ np.linalg.inv(station).T
+        each = spacings(seen[:, :2] / seen[:, 2:3])
+        here = each.mean(axis=1)
+        rows.append([each.mean(), here.std(), np.abs(here - here.mean()).mean(), each.std()])
+    return torch.tensor(np.array(rows) - np.mean(rows, axis=0), dtype=points.dtype)
+
+
+def spacings(image: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (128, 7) logarithms: of the distance from every so manieth of (n, 2) places to each group of which it is none."""
+    found = np.zeros((128, 7))
+    for row in range(128):
+        asked = row * len(image) // 128
+        for k in range(1, 8):
+            of_group = range((asked + k) % 8, len(image), 8)
+            apart = min((float(np.linalg.norm(image[asked] - image[n])) for n in of_group), default=np.inf)
+            found[row, k - 1] = np.log(np.clip(apart, 2e-3, 1.0))
+    return found

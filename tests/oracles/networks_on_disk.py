@@ -9,11 +9,11 @@ from viewgain.inference import ModelCard
 from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, export_onnx, half_rounded
 
 
-def small_settings(kind: Kind, *, views: int = 16, uncertainty: Any = "none", points: int = 64) -> NetworkSettings:
+def small_settings(kind: Kind, *, views: int = 16, uncertainty: Any = "none", points: int = 64, rig: str = "") -> NetworkSettings:
     """Return a narrow network."""
     return NetworkSettings(
         kind=kind, views=views, points=points, neighbours=8, growth=4, shared=(32, 24), head=(24, 16), width=16,
-        uncertainty=uncertainty,
+        uncertainty=uncertainty, rig=rig,
     )  # fmt: skip
 
 

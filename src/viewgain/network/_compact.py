@@ -9,7 +9,8 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from viewgain.arrays import Array
+from viewgain.arrays import Poses
+from viewgain.network._evenness import evenness
 from viewgain.network._hierarchy import Hierarchy, Impression
 from viewgain.network._inputs import ScoreNetwork
 from viewgain.network._look import Look
@@ -24,7 +25,7 @@ class Compact(ScoreNetwork):
     """Points, many centres, few centres, one feature of the cloud; then a query per view, and its scores.
 
     Without the view state a first round of queries guesses from which view the cloud was seen, and the second answers as if it
-    had been told.
+    had been told. Where views know their places, the guess also goes by the view in whose image the points lie evenly.
     """
 
     def __init__(self, settings: NetworkSettings) -> None:
@@ -34,9 +35,9 @@ class Compact(ScoreNetwork):
         self.hierarchy = Hierarchy(settings)
         self.wide = nn.Linear(8 * width + 3, 16 * width)
         self.cloud = nn.Linear(17 * width, 8 * width)
-        self.turns = turns_of(settings.rig) if settings.rig else None
+        self.stations = stations_of(settings.rig) if settings.rig else None
         self.look = Look(4 * width, 3, 2 * width, 4 * width) if settings.rig else None
-        self.guess = Guess(views, width) if blind else None
+        self.guess = Guess(views, width, placed=bool(settings.rig)) if blind else None
         self.queries = ViewQueries(views, width, told=True)
         self.head = nn.Sequential(nn.Linear(4 * width, 8 * width), nn.ReLU(), nn.Linear(8 * width, NUMBERS[settings.uncertainty]))
 
@@ -63,19 +64,20 @@ class Compact(ScoreNetwork):
         greatest = torch.relu(self.wide(levels.far).amax(1))
         whole = torch.relu(self.cloud(torch.cat((greatest, levels.mean), dim=-1)))
         if self.look is None:
-            return Impression(levels=levels, whole=whole, seen=None)
-        turns = torch.as_tensor(self.turns, dtype=points.dtype, device=points.device)
-        return Impression(levels=levels, whole=whole, seen=self.look(levels.fine, levels.fine_points[:, None] @ turns))
+            return Impression(levels=levels, whole=whole, seen=None, even=None)
+        stations = torch.as_tensor(self.stations, dtype=points.dtype, device=points.device)
+        seen = self.look(levels.fine, levels.fine_points[:, None] @ stations[:, :3, :3])
+        even = None if self.guess is None else evenness(levels.points, levels.number, stations)
+        return Impression(levels=levels, whole=whole, seen=seen, even=even)
 
     def _answers(self, cloud: Impression, view_state: Tensor) -> Tensor:
         """Return (B, V, c) what the head says of each view, in rig order."""
         return torch.as_tensor(self.head(self.queries(cloud, view_state)))
 
 
-def turns_of(name: str) -> Array:
-    """Return (V, 3, 3): points of the object's frame times these are points in the axes of each view of a rig."""
-    stations = poses(rig(name), Target.at(np.zeros(3)), distance=1.0)
-    return np.ascontiguousarray(stations[:, :3, :3])
+def stations_of(name: str) -> Poses:
+    """Return (V, 4, 4) the views of a rig in the object's frame, one diagonal of the object away where the rig says nothing."""
+    return poses(rig(name), Target.at(np.zeros(3)), distance=1.0)
 
 
 def mean_present_first(answers: Tensor, presence: Tensor) -> Tensor:

@@ -12,8 +12,12 @@ from viewgain.network._settings import NetworkSettings
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Levels:
-    """Both sets of centres: where they are and what they know of their surroundings; and the mean of all points."""
+    """The points, both sets of centres, where they are and what they know of their surroundings, and the mean of all points."""
 
+    points: Tensor
+    """(B, N, 3) the real ones first, in an order that mixes them."""
+    number: Tensor
+    """(B,) how many are real."""
     mean: Tensor
     """(B, width) of the points' own features: how densely each side is sampled, which maxima do not tell."""
     fine_points: Tensor
@@ -55,7 +59,15 @@ class Hierarchy(nn.Module):
         mean = (lifted * real[..., None]).sum(1) / number[:, None]
         fine_points, fine = self.fine(points, lifted, number)
         coarse_points, coarse = self.coarse(fine_points, fine, torch.full_like(number, fine.shape[1]))
-        return Levels(mean=mean, fine_points=fine_points, fine=fine, coarse_points=coarse_points, coarse=coarse)
+        return Levels(
+            points=points,
+            number=number,
+            mean=mean,
+            fine_points=fine_points,
+            fine=fine,
+            coarse_points=coarse_points,
+            coarse=coarse,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,3 +80,5 @@ class Impression:
     """(B, 8 width) one feature."""
     seen: Tensor | None
     """(B, V, 4 width) what each view sees of it from where it stands; None if views do not look."""
+    even: Tensor | None
+    """(B, V, 4) how evenly its points lie in the image of each view; None if nobody asks, or no view knows where it stands."""

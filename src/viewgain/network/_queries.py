@@ -3,10 +3,13 @@
 import torch
 from torch import Tensor, nn
 
+from viewgain.network._evenness import STATISTICS
 from viewgain.network._hierarchy import Impression
 
 HEADS = 4
 """Parts of the channels that attend each on their own."""
+SHARP = 20.0
+"""Statistics of evenness differ by tenths between views, and are to move logits by several."""
 
 
 class ViewQueries(nn.Module):
@@ -37,17 +40,24 @@ class ViewQueries(nn.Module):
 
 
 class Guess(nn.Module):
-    """From which view of the rig was the cloud seen? An impression of it to (B, V) logits."""
+    """From which view of the rig was the cloud seen? An impression of it to (B, V) logits.
 
-    def __init__(self, views: int, width: int) -> None:
-        """Take V and the width of the network."""
+    What is learned of shapes, and how evenly the points lie in each image, count as independent evidence: logits add up.
+    """
+
+    def __init__(self, views: int, width: int, *, placed: bool) -> None:
+        """Take V, the width of the network, and whether views know where they stand."""
         super().__init__()
         self.queries = ViewQueries(views, width, told=False)
         self.presence = nn.Linear(4 * width, 1)
+        self.even = nn.Linear(STATISTICS, 1, bias=False) if placed else None
 
     def forward(self, cloud: Impression) -> Tensor:
         """Return the logits."""
-        return torch.as_tensor(self.presence(self.queries(cloud, None))[..., 0])
+        logits = self.presence(self.queries(cloud, None))
+        if self.even is not None and cloud.even is not None:
+            logits = logits + SHARP * self.even(cloud.even)
+        return torch.as_tensor(logits[..., 0])
 
 
 class Inquiry(nn.Module):
