@@ -87,6 +87,30 @@ def test_edges_shown_are_shares_and_belong_to_both_faces(box: Box) -> None:
     np.testing.assert_array_equal(shown, shown.T)
 
 
+@settings(max_examples=40)
+@given(boxes, st.floats(-0.6, 0.6), st.floats(0.0, 3.0))
+def test_edges_shown_are_those_of_a_walk_along_each(box: Box, aside: float, margin: float) -> None:
+    """One edge after the other, the floor's four left out."""
+    shift = np.eye(4)
+    shift[0, 3] = aside
+    moved = box.in_frame(shift)
+    faces, corners = ((0, 0.5), (0, -0.5), (1, 0.5), (1, -0.5), (2, 1.0)), moved.corners()
+    own = inverse(moved.box_to_camera)
+    places = (np.column_stack([corners, np.ones(8)]) @ own.T)[:, :3] / moved.extents
+    wanted = np.zeros((5, 5))
+    for one, (axis, end) in enumerate(faces):
+        for other, (across, side) in enumerate(faces):
+            ends = corners[np.isclose(places[:, axis], end) & np.isclose(places[:, across], side)]
+            if axis == across or np.any(ends[:, 2] <= 0.02):
+                continue
+            first, last = ends[:, :2] / ends[:, 2:]
+            u, v = to_pixels(first + np.linspace(0, 1, 32)[:, None] * (last - first)).T
+            inside = (u >= margin - 0.5) & (v >= margin - 0.5)
+            inside &= (u <= CAMERA.width - 0.5 - margin) & (v <= CAMERA.height - 0.5 - margin)
+            wanted[one, other] = inside.mean()
+    np.testing.assert_allclose(edges_shown(moved, to_pixels, SIZE, margin), wanted, rtol=0, atol=1e-12)
+
+
 def test_nothing_behind_the_camera_is_shown() -> None:
     assert not edges_shown(overhead(-1.0), to_pixels, SIZE).any()
 

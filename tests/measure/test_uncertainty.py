@@ -9,9 +9,21 @@ from hypothesis import strategies as st
 
 from tests.oracles.scenes import CAMERA, WELL_SEEN, scan_of
 from viewgain.camera import sensor
+from viewgain.evaluation import VolumeSettings
+from viewgain.evaluation._volume_case import volume_case
 from viewgain.geometry import pose, rotation_from_rotvec
-from viewgain.measure import LOOSE_PRIOR, SYSTEMATIC, Knowledge, marginal, measure, pose_precision, without_edge_bias
-from viewgain.measure._uncertainty import COMMON_EDGES, interval_of_profile
+from viewgain.measure import (
+    LOOSE_PRIOR,
+    SYSTEMATIC,
+    Knowledge,
+    _uncertainty,
+    marginal,
+    measure,
+    pose_precision,
+    without_edge_bias,
+)
+from viewgain.measure._fit import Fit
+from viewgain.measure._uncertainty import CLEARLY, COMMON_EDGES, LEVEL, interval_of_profile
 from viewgain.scans import Scan
 from viewgain.scenes import random_box, random_view
 
@@ -154,3 +166,28 @@ def test_the_interval_of_a_profile_holds_its_peak_however_sharp_that_is(value: f
     if sharpness > 5:
         assert found.high / found.low < 1.35
         assert 0 < found.sigma < 0.15 * value
+
+
+def test_few_pixels_say_that_a_cut_box_is_bounded_only_where_all_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Boxes that leave the image: what is answered by few pixels first is what is answered by all."""
+    falls: list[tuple[float, float]] = []
+
+    def asked_both_ways(axis: int, fit: Fit, known: Knowledge) -> bool:
+        value = float(fit.box.extents[axis])
+        few, every = (_uncertainty._fall(each, axis, 1.2 * value) for each in (_uncertainty._of_few_pixels(fit), fit))
+        falls.append((few, every))
+        return answered(axis, fit, known)
+
+    answered = _uncertainty._is_flat_beyond
+    monkeypatch.setattr(_uncertainty, "_is_flat_beyond", asked_both_ways)
+    for number in range(4):
+        case = volume_case(VolumeSettings(seed=31, side=(0.5, 1.2)), number)
+        for view in np.flatnonzero(case.reachable).tolist():
+            scan = case.scans.scan(view, 0)
+            if scan is not None:
+                measure(scan, camera=case.camera)
+    few, every = np.array(falls).T
+    surely = few >= CLEARLY * LEVEL
+    assert len(falls) > 6
+    assert surely.mean() > 0.5, "else asking few first costs time and saves none"
+    assert np.all(every[surely] >= LEVEL)

@@ -9,14 +9,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Mask, Points2
+from viewgain.arrays import Array, Indices, Mask, Points2
 from viewgain.box._box import CORNERS, FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
-from viewgain.box._silhouette import NEAR, outline
+from viewgain.box._silhouette import NEAR, following, outline
 from viewgain.geometry import transform
 
 BORDER_PX = 1.0
 """An outline that comes this close to the image border counts as being on it, pixels."""
 _PER_EDGE = 32
+_FROM_VERTEX = np.linspace(0.0, 1.0, _PER_EDGE, endpoint=False)
+"""(32,) places along an edge of the outline: from vertex to vertex, so that an extreme point is never missed."""
+_END_TO_END = np.linspace(0.0, 1.0, _PER_EDGE)
+"""(32,) places along an edge of the box."""
+
+
+def _edges() -> Indices:
+    """Return (8, 4): two faces that share an edge, and the corners at its ends. The four edges on the floor are no two faces'."""
+    normals, extents = PLANE_NORMALS[:FLOOR], PLANE_EXTENTS[:FLOOR]
+    on_face = np.isclose(normals @ CORNERS.T, extents.sum(axis=1, keepdims=True))
+    pairs = [(one, other, np.flatnonzero(on_face[one] & on_face[other])) for one in range(FLOOR) for other in range(one)]
+    return np.array([(one, other, *ends) for one, other, ends in pairs if len(ends) == 2])
+
+
+_EDGES = _edges()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,9 +81,8 @@ def border_share(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[
     if np.any(box.corners()[:, 2] <= NEAR):
         return 1.0
     start = outline(box).vertices
-    side = np.roll(start, -1, axis=0) - start
-    along = np.linspace(0.0, 1.0, _PER_EDGE, endpoint=False)  # from vertex to vertex: an extreme point is never missed
-    outside = _outside(to_pixels((start[:, None] + along[:, None] * side[:, None]).reshape(-1, 2)), size, margin)
+    side = following(start) - start
+    outside = _outside(to_pixels((start[:, None] + _FROM_VERTEX[:, None] * side[:, None]).reshape(-1, 2)), size, margin)
     length = np.repeat(np.linalg.norm(side, axis=1), _PER_EDGE)
     return float(length[outside].sum() / max(length.sum(), 1e-12))
 
@@ -79,21 +93,15 @@ def edges_shown(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[i
     The diagonal and pairs of opposite faces, which share no edge, are 0; so is an edge that is behind the camera. Arguments as
     :func:`constraints`.
     """
+    one, other, start, end = _EDGES.T
+    corners = box.corners()
+    in_front = (corners[start, 2] > NEAR) & (corners[end, 2] > NEAR)
+    image = corners[:, :2] / np.maximum(corners[:, 2:], NEAR)
+    line = image[start, None] + _END_TO_END[:, None] * (image[end] - image[start])[:, None]  # (8, 32, 2)
+    outside = _outside(to_pixels(line.reshape(-1, 2)), size, margin).reshape(len(_EDGES), _PER_EDGE)
     shown = np.zeros((FLOOR, FLOOR))
-    corners, on_face = box.corners(), _corners_of_faces()
-    for one in range(FLOOR):
-        for other in range(one):
-            ends = corners[on_face[one] & on_face[other]]
-            if len(ends) == 2 and np.all(ends[:, 2] > NEAR):
-                line = np.linspace(ends[0] / ends[0, 2], ends[1] / ends[1, 2], _PER_EDGE)[:, :2]
-                shown[one, other] = shown[other, one] = 1 - np.mean(_outside(to_pixels(line), size, margin))
+    shown[one, other] = shown[other, one] = np.where(in_front, 1 - outside.mean(axis=1), 0.0)
     return shown
-
-
-def _corners_of_faces() -> Mask:
-    """Return (5, 8): which corners each face has."""
-    normals, extents = PLANE_NORMALS[:FLOOR], PLANE_EXTENTS[:FLOOR]
-    return np.asarray(np.isclose(normals @ CORNERS.T, extents.sum(axis=1, keepdims=True)))
 
 
 def _outside(pixels: Points2, size: tuple[int, int], margin: float) -> Mask:

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+import viewgain
 from viewgain.cli._commands import Calibrate, Dataset, Demo, Measure, Next, Simulate
 from viewgain.cli._evaluate_commands import Evaluate
 from viewgain.cli._exit import BAD_INPUT, NOT_WRITTEN, print_error
@@ -43,6 +44,7 @@ _DESCRIPTION = """How big is the box, how sure are we, and where should the dept
   viewgain evaluate map                 what each position around a box is worth, as a picture
   viewgain evaluate real SCANS          where policies would go next on real scans, and why
   viewgain demo                         the whole loop on a simulated scene, with a report
+  viewgain --version                    which version this is
 
 Exit codes: 0 measured, 2 bad input or usage, 3 nothing measurable (with its reason), 4 cannot be written."""
 
@@ -56,6 +58,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     import tyro
 
     arguments = list(sys.argv[1:] if argv is None else argv)
+    if arguments == ["--version"]:
+        print(f"viewgain {viewgain.__version__}")
+        return 0
     try:
         command = tyro.cli(
             Measure | Next | Calibrate | Simulate | Dataset | Train | Export | Evaluate | Demo,

@@ -141,7 +141,7 @@ def _edge_information(box: Box, sensor: Sensor, noise: float) -> tuple[Array, Ar
     shape = outline(box)
     edges = np.repeat(np.arange(len(shape.vertices)), _EDGE_SAMPLES)
     along = np.tile((np.arange(_EDGE_SAMPLES) + 0.5) / _EDGE_SAMPLES, len(shape.vertices))
-    start, end = shape.vertices[edges], np.roll(shape.vertices, -1, axis=0)[edges]
+    start, end = shape.vertices[edges], shape.vertices[(edges + 1) % len(shape.vertices)]
     image = start + along[:, None] * (end - start)
     length = np.linalg.norm(end - start, axis=1) / _EDGE_SAMPLES * sensor.intrinsics.fx
     rays = _unit(image)
