@@ -19,6 +19,7 @@ from benchmarks import (
     multipath,
     network,
     not_a_box,
+    present_view,
     published_noise,
     real,
     real_tof,
@@ -50,6 +51,7 @@ BENCHMARKS = {
     "data-labels": data_labels.run,
     "data-statistics": data_statistics.run,
     "network": network.run,
+    "present-view": present_view.run,
     "rounding": rounding.run,
     "run-episodes": run_episodes.run,
     "surrogate": surrogate.run,
@@ -66,8 +68,8 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504), enclosing (500), error-model (boxes; 1000), surrogate (boxes; 160), data-labels (meshes; 20) and"
-        " coverage-policies (objects; 30)",
+        " (504), enclosing (500), error-model (boxes; 1000), surrogate (boxes; 160), data-labels (meshes; 20),"
+        " coverage-policies (objects; 30) and present-view (objects of a category; 6)",
     )
     parser.add_argument(
         "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"
@@ -88,7 +90,7 @@ def main() -> None:
         type=Path,
         help="folders: data sets of data-statistics, rounding, run-episodes; results of confidence",
     )
-    parser.add_argument("--runs", nargs="*", type=Path, help="rounding, run-episodes: folders of training runs")
+    parser.add_argument("--runs", nargs="*", type=Path, help="present-view, rounding, run-episodes: folders of training runs")
     parser.add_argument("--kept", type=Path, help="error-model: folder that keeps what was measured, and gives it back")
     parser.add_argument("--out", type=Path, help="error-model, confidence: also write the fit to all boxes, into this file")
     options = parser.parse_args()

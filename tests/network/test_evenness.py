@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from tests.oracles import network as oracle
 from viewgain.arrays import Points
 from viewgain.gain import COVERAGE_PROTOCOLS, model_clouds
-from viewgain.network._compact import stations_of
-from viewgain.network._evenness import STATISTICS, evenness, images, spacings
-from viewgain.network._neighbours import in_order
+from viewgain.network import STATISTICS, evenness, in_order, stations_of
+from viewgain.network._evenness import images, spacings
 from viewgain.rigs import Target, poses, rig
 from viewgain.shapes import procedural
 from viewgain.training._symmetry import symmetries
@@ -42,7 +41,7 @@ def test_neither_the_order_of_points_nor_padding_changes_it(number: int, seed: i
     points = rng.uniform(-0.4, 0.4, (number, 3))
     alone = evenness(*ordered(points), STATIONS)
     mixed = evenness(*ordered(rng.permutation(points), filled_to=number + 13), STATIONS)
-    assert alone.shape == (1, 16, STATISTICS)
+    assert alone.shape == (1, 16, len(STATISTICS))
     assert torch.isfinite(alone).all()
     torch.testing.assert_close(mixed, alone, rtol=0, atol=1e-9)
 
@@ -77,6 +76,16 @@ def test_the_view_of_the_scan_has_the_most_even_image(category: str) -> None:
         few = cloud[np.sort(rng.choice(len(cloud), min(512, len(cloud)), replace=False))]
         right.append(int(evenness(*ordered(few), STATIONS)[0, :, 1].argmin()) == view)
     assert np.mean(right) >= 0.75
+
+
+def test_noise_along_the_rays_of_the_scan_leaves_its_own_view_as_it_is() -> None:
+    """The points stay in their pixels; in the images of other views they move."""
+    rng = np.random.default_rng(9)
+    points, number, camera = rng.uniform(-0.3, 0.3, (1, 60, 3)), torch.tensor([60]), STATIONS[4, :3, 3].numpy()
+    noisy = camera + (points - camera) * rng.uniform(0.98, 1.02, (1, 60, 1))
+    still, moved = (spacings(images(torch.from_numpy(each), number, STATIONS), number)[0] for each in (points, noisy))
+    torch.testing.assert_close(moved[4], still[4], rtol=0, atol=1e-9)
+    assert (moved - still).abs()[5].max() > 1e-3
 
 
 def test_half_precision_around_it_changes_nothing() -> None:

@@ -11,8 +11,8 @@ from torch import Tensor
 
 from tests.oracles import network as oracle
 from viewgain.errors import ConfigError
-from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, parameters_of, scores_of, sigma_of
-from viewgain.network._compact import mean_present_first, stations_of
+from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, parameters_of, scores_of, sigma_of, stations_of
+from viewgain.network._compact import mean_present_first
 from viewgain.network._neighbours import in_order
 from viewgain.rigs import Target, poses, rig
 

@@ -12,6 +12,7 @@ from viewgain.errors import TrainingError
 from viewgain.inference import Metric, Scorer
 from viewgain.network import half_rounded
 from viewgain.training import load_trained, read_metrics, start
+from viewgain.training._export import FROM_ONE_VIEW, card_of
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,14 @@ def test_the_exported_file_answers_as_the_best_weights_do(run: Path, data: Datas
     assert card.trained_on[0].licence == "Apache-2.0"
     assert set(card.metrics[0].floors) == {"view at random", "constant offset"}
     assert card.metrics[-1] == figures[0]
+
+
+def test_only_a_network_that_has_to_find_its_place_wants_the_cloud_of_one_scan(data: Dataset, tmp_path: Path) -> None:
+    limits = {}
+    for kind, rig in (("compact", "pcnbv16"), ("compact", ""), ("compact_view", "pcnbv16")):
+        start(changed(network={"kind": kind, "rig": rig}), tmp_path / f"{kind}{rig}", data=data.folder)
+        limits[kind, rig] = card_of(load_trained(tmp_path / f"{kind}{rig}")).limits
+    assert [FROM_ONE_VIEW in each for each in limits.values()] == [True, False, False]
 
 
 def test_a_damaged_file_of_best_weights_is_refused(data: Dataset, tmp_path: Path) -> None:

@@ -10,6 +10,9 @@ except ImportError as error:
 from viewgain.network._build import build as build
 from viewgain.network._build import parameters_of as parameters_of
 from viewgain.network._compact import Compact as Compact
+from viewgain.network._compact import stations_of as stations_of
+from viewgain.network._evenness import STATISTICS as STATISTICS
+from viewgain.network._evenness import evenness as evenness
 from viewgain.network._export import export_onnx as export_onnx
 from viewgain.network._export import half_rounded as half_rounded
 from viewgain.network._inputs import ScoreNetwork as ScoreNetwork
@@ -18,6 +21,7 @@ from viewgain.network._losses import LossSettings as LossSettings
 from viewgain.network._losses import RankingKind as RankingKind
 from viewgain.network._losses import score_loss as score_loss
 from viewgain.network._losses import weight_penalty as weight_penalty
+from viewgain.network._neighbours import in_order as in_order
 from viewgain.network._neighbours import unrepeated as unrepeated
 from viewgain.network._output import Evidence as Evidence
 from viewgain.network._output import evidence_of as evidence_of

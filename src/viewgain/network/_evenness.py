@@ -10,8 +10,8 @@ from torch import Tensor
 
 from viewgain.network._neighbours import gathered, rows_of
 
-STATISTICS = 4
-"""Numbers per view."""
+STATISTICS = ("mean spacing", "standard deviation", "mean deviation", "deviation of all")
+"""What is said of each view."""
 ASKED = 128
 """Points whose spacing is looked at."""
 GROUPS = 8

@@ -50,7 +50,7 @@ class Guess(nn.Module):
         super().__init__()
         self.queries = ViewQueries(views, width, told=False)
         self.presence = nn.Linear(4 * width, 1)
-        self.even = nn.Linear(STATISTICS, 1, bias=False) if placed else None
+        self.even = nn.Linear(len(STATISTICS), 1, bias=False) if placed else None
 
     def forward(self, cloud: Impression) -> Tensor:
         """Return the logits."""

@@ -11,7 +11,7 @@ from viewgain.gain import POSITION_LIMITS
 from viewgain.inference import Metric, ModelCard, Source
 from viewgain.network import export_onnx
 from viewgain.training._load import Trained, load_trained
-from viewgain.training._settings import DataSettings
+from viewgain.training._settings import TrainingRecipe
 
 VOLUME_TASK = (
     "How well a box's volume would be measured from each candidate view, from one scan: minus the expected |relative error|, or"
@@ -25,6 +25,11 @@ LIMITS = (
     "Trained on clouds without noise; the candidate views are those of its rig and no others.",
 )
 """What a network of coverage is not for."""
+FROM_ONE_VIEW = (
+    "The cloud of one scan, as its pixels sample it: by that it tells from where it was seen. Of several scans joined, or of a"
+    " cloud whose density a filter has evened out, it may take a wrong view for the present one."
+)
+"""What one is not for that has to find out the present view."""
 VOLUME_LIMITS = (
     "A box that stands on a floor in view; of several the one that the candidates look at.",
     "Trained on simulated scans; what a view is worth was worked out from the true box, without what hides it from there.",
@@ -97,13 +102,14 @@ def card_of(
         trained_on=tuple(sources) or (_source(facts),),
         training=_training(trained),
         metrics=(*_validation(trained), *metrics),
-        limits=tuple(limits if limits is not None else _limits(recipe.data)),
+        limits=tuple(limits if limits is not None else _limits(recipe)),
     )
 
 
-def _limits(data: DataSettings) -> tuple[str, ...]:
+def _limits(recipe: TrainingRecipe) -> tuple[str, ...]:
+    data, network = recipe.data, recipe.network
     if not data.whole_scan:
-        return LIMITS
+        return (*LIMITS, FROM_ONE_VIEW) if network.rig and not network.with_view_state else LIMITS
     return COUNTED_LIMITS if data.target.startswith(("histogram:", "tally:")) else VOLUME_LIMITS
 
 
