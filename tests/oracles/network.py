@@ -102,7 +102,7 @@ def compact(network: nn.Module, points: Tensor, view_state: Tensor | None) -> Te
         return answers.T.flatten() if answers.shape[1] > 1 else answers[:, 0]
     presence = network.guess.presence(view_queries(network.guess.queries, cloud, coarse, fine, seen, None))[:, 0]
     if network.guess.even is not None:
-        presence = torch.tanh(presence) + 20 * network.guess.even(evenness(points, network.settings.rig))[:, 0]
+        presence = presence + 20 * network.guess.even(evenness(points, network.settings.rig))[:, 0]
     chances = torch.softmax(presence, dim=0)
     answers = network.head(view_queries(network.queries, cloud, coarse, fine, seen, chances))
     answers = sum(chance * torch.roll(answers, -view, dims=0) for view, chance in enumerate(chances))

@@ -42,8 +42,7 @@ class ViewQueries(nn.Module):
 class Guess(nn.Module):
     """From which view of the rig was the cloud seen? An impression of it to (B, V) logits.
 
-    What is learned of shapes, and how evenly the points lie in each image, count as independent evidence: logits add up. Shapes
-    have a bounded say, for what was learned of some misleads about others; how points lie is the same for all.
+    What is learned of shapes, and how evenly the points lie in each image, count as independent evidence: logits add up.
     """
 
     def __init__(self, views: int, width: int, *, placed: bool) -> None:
@@ -55,10 +54,10 @@ class Guess(nn.Module):
 
     def forward(self, cloud: Impression) -> Tensor:
         """Return the logits."""
-        by_shape = self.presence(self.queries(cloud, None))
-        if self.even is None or cloud.even is None:
-            return torch.as_tensor(by_shape[..., 0])
-        return torch.as_tensor((torch.tanh(by_shape) + SHARP * self.even(cloud.even))[..., 0])
+        logits = self.presence(self.queries(cloud, None))
+        if self.even is not None and cloud.even is not None:
+            logits = logits + SHARP * self.even(cloud.even)
+        return torch.as_tensor(logits[..., 0])
 
 
 class Inquiry(nn.Module):
