@@ -18,6 +18,7 @@ from viewgain.evaluation._decisions import constant_choices as constant_choices
 from viewgain.evaluation._decisions import guessed as guessed
 from viewgain.evaluation._decisions import judged as judged
 from viewgain.evaluation._decisions import worth as worth
+from viewgain.evaluation._families import compared as compared
 from viewgain.evaluation._families import families as families
 from viewgain.evaluation._families import without_and_with as without_and_with
 from viewgain.evaluation._fitting import of_frame as of_frame

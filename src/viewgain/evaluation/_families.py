@@ -53,6 +53,13 @@ def without_and_with(found: Sequence[Family]) -> tuple[tuple[Family, Family], ..
     )
 
 
+def compared(found: Sequence[Family]) -> list[tuple[str, str]]:
+    """Return who is held against whom: those of :func:`without_and_with`, then each against the first, no two of them twice."""
+    pairs = [(one.name, two.name) for one, two in without_and_with(found)]
+    further = [(each.name, found[0].name) for each in found[1:]]
+    return pairs + [(one, two) for one, two in further if (one, two) not in pairs and (two, one) not in pairs]
+
+
 def _key(card: ModelCard) -> tuple[str, ...]:
     return (card.kind, card.training.get("recipe", ""), *_terms(card))
 

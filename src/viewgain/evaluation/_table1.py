@@ -10,7 +10,7 @@ from viewgain.arrays import Array
 from viewgain.datasets import Dataset, Frame, rig_of
 from viewgain.evaluation._bootstrap import difference_by_object, quotient_of_groups, ratio_by_object, shares_by_object
 from viewgain.evaluation._constant import Constant, constant_answer
-from viewgain.evaluation._families import Family, families, without_and_with
+from viewgain.evaluation._families import Family, compared, families
 from viewgain.evaluation._judged import Judged, read_judged
 from viewgain.evaluation._parts import Part
 from viewgain.evaluation._records import CONSTANT, ORACLE, RANDOM, UNIFORM, Difference, Kept, Row, Table1
@@ -124,8 +124,6 @@ def _differences(
         )
         for each in found
     )  # fmt: skip
-    pairs = [(one.name, two.name) for one, two in without_and_with(found)]
-    pairs += [(each.name, found[0].name) for each in found[1:] if (each.name, found[0].name) not in pairs]
     return against_floor + tuple(
         Difference(
             first=one,
@@ -133,7 +131,7 @@ def _differences(
             shares=difference_by_object(results[one], results[two], objects, rng=rng),
             share=ratio_by_object(results[one], results[two], objects, rng=rng),
         )
-        for one, two in pairs
+        for one, two in compared(found)
     )
 
 
