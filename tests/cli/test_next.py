@@ -1,6 +1,7 @@
 """``viewgain next`` as a user runs it."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,8 +10,9 @@ import pytest
 
 from viewgain.camera import sensor
 from viewgain.cli import main
-from viewgain.cli._text import decider_in_words
-from viewgain.scans import write_scan
+from viewgain.cli._text import decider_in_words, decision_in_words
+from viewgain.plan import next_view
+from viewgain.scans import read_scan, write_scan
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
 
@@ -78,6 +80,29 @@ def test_the_words_say_where_to_go_or_to_stop(scans: Path, capsys: pytest.Captur
     assert main(["next", str(scans / "one.png"), "--tolerance", "0.001"]) == 0
     last = capsys.readouterr().out.splitlines()[-1]
     assert last.startswith("P(volume error < 0.1%) is ")
+
+
+@pytest.mark.parametrize(
+    ("stop", "chance", "said"),
+    [
+        (True, 0.97, "0.970, over the 0.95"),
+        (False, 0.9, "0.900, under the 0.95"),
+        (False, 0.97, "0.970, but a dimension is open"),
+    ],
+)
+def test_the_words_and_the_chance_agree(scans: Path, stop: bool, chance: float, said: str) -> None:
+    """A likely volume is not enough where a dimension is open, and is then not said to be too unlikely."""
+    plan = next_view(read_scan(scans / "one.png"), "ring8")
+    assert said in decision_in_words(replace(plan, stop=stop, within_tolerance=chance))
+
+
+def test_a_view_for_coverage_is_not_explained_by_the_volume(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["next", str(scans / "one.png"), "--objective", "coverage", "--policy", "network", "--rig", "pcnbv16"]) == 0
+    table, last = capsys.readouterr().out.rsplit("\n", 2)[:2]
+    assert last.startswith("View ")
+    assert "newly covered" in last
+    assert "asked for" not in last
+    assert "nothing" not in table, "which faces a candidate would see is for who predicts them to say"
 
 
 def test_the_volume_is_abstained_from_below_the_chance_asked_for(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:

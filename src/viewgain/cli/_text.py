@@ -77,7 +77,7 @@ def ranking_table(plan: NextView) -> Table:
     for candidate in sorted(plan.candidates, key=lambda c: (c.index != plan.best, not c.reachable, -c.assessment.score)):
         after, prediction = candidate.assessment.outlook, candidate.assessment.prediction
         sights = [] if prediction is None else [s for s in prediction.sights if s.returns >= 25]
-        seen = ", ".join(f"{s.name} {np.rad2deg(s.incidence):.0f}°" for s in sights) or "nothing"
+        seen = ", ".join(f"{s.name} {np.rad2deg(s.incidence):.0f}°" for s in sights) or ("" if prediction is None else "nothing")
         table.add_row(
             f"{candidate.index}{' *' if candidate.index == plan.best else ''}",
             plan_words(plan, candidate.index) if candidate.reachable else "out of reach",
@@ -103,9 +103,14 @@ def decision_in_words(plan: NextView) -> str:
         return f"No view is named: {plan.abstention}."
     if plan.best is None:
         return f"{chance}; no candidate of the rig can be reached."
-    after = plan.candidates[plan.best].assessment.outlook
-    gain = "" if after is None else f": that lifts it to {after.within_tolerance:.3f}"
+    way, chosen = f"View {plan.best}: {plan_words(plan, plan.best)}", plan.candidates[plan.best].assessment
+    if plan.objective == "coverage":
+        return f"{way}. It scores highest for surface newly covered, {chosen.score:+.3f}. {chance}, which decides nothing here."
+    known = f"under the {plan.confidence:.2f} asked for"
+    if (plan.within_tolerance or 0) > plan.confidence:
+        known = "but a dimension is open"
+    gain = "" if chosen.outlook is None else f": that lifts it to {chosen.outlook.within_tolerance:.3f}"
     sure = "" if plan.nearly_best is None else (
         f" Chance that no other view is better by {100 * NEARLY:g} points of volume error: {100 * plan.nearly_best:.0f} %."
     )  # fmt: skip
-    return f"{chance}, under the {plan.confidence:.2f} asked for. View {plan.best}: {plan_words(plan, plan.best)}{gain}.{sure}"
+    return f"{chance}, {known}. {way}{gain}.{sure}"
