@@ -10,6 +10,7 @@ from torch import Tensor
 
 from benchmarks._tables import markdown, percent
 from viewgain.arrays import Points
+from viewgain.datasets import CoverageSettings, recipe
 from viewgain.evaluation import shares_by_object
 from viewgain.gain import COVERAGE_PROTOCOLS, model_clouds
 from viewgain.inference import thinned
@@ -22,11 +23,6 @@ OBJECTS = 6
 SEED = 6100
 """Of the objects; nothing else draws them."""
 POINTS = 512
-KINDS = {
-    "seen": ("airplane", "boat", "cabinet", "car", "chair", "lamp", "sofa", "table"),
-    "unseen": ("bed", "bench", "bookshelf", "bus", "drill", "guitar", "motorbike", "skateboard"),
-}
-"""Categories that train the 16-view networks, and those that do not."""
 _PROTOCOL = COVERAGE_PROTOCOLS["paper"]
 
 
@@ -37,12 +33,19 @@ def run(options: argparse.Namespace) -> None:
     count = options.scenes or OBJECTS
     print(f"## From which of {_PROTOCOL.rig}'s views a cloud of {POINTS} points was seen, right in percent\n")
     print(f"{count} fresh objects of each of 8 categories, from every view; 95 % intervals by object.\n")
-    for kind, categories in KINDS.items():
+    for kind, categories in _kinds().items():
         rows = list(_answers(categories, count, networks))
         owner = np.array([number for number, _ in rows])
         right = {name: np.array([answers[name] for _, answers in rows]) for name in rows[0][1]}
         print(markdown((kind, f"right, of {len(owner):,}"), [(name, _share(each, owner)) for name, each in right.items()]))
         print()
+
+
+def _kinds() -> dict[str, tuple[str, ...]]:
+    """Return the categories that train the 16-view networks, and those that do not."""
+    content = recipe("coverage_table1").content
+    assert isinstance(content, CoverageSettings)
+    return {"seen": content.categories, "unseen": content.held_out}
 
 
 def _share(right: NDArray[np.float64], owner: NDArray[np.int64]) -> str:

@@ -79,6 +79,12 @@ def test_main_takes_arguments_and_returns_an_exit_code(capsys: pytest.CaptureFix
     assert "demo" in capsys.readouterr().out
 
 
+def test_the_version_is_said_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    main = importlib.import_module("viewgain.cli").main
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"viewgain {viewgain.__version__}\n"
+
+
 def test_an_unknown_command_is_refused_without_a_traceback() -> None:
     done = run_python("-m", "viewgain", "no-such-command")
     assert done.returncode == 2

@@ -22,8 +22,9 @@ from viewgain.measure import (
     pose_precision,
     without_edge_bias,
 )
-from viewgain.measure._fit import Fit
-from viewgain.measure._uncertainty import CLEARLY, COMMON_EDGES, LEVEL, interval_of_profile
+from viewgain.measure._fit import SHARP, Fit
+from viewgain.measure._stretch import CLEARLY, LEVEL, fall, of_few_pixels
+from viewgain.measure._uncertainty import COMMON_EDGES, interval_of_profile
 from viewgain.scans import Scan
 from viewgain.scenes import random_box, random_view
 
@@ -174,7 +175,7 @@ def test_few_pixels_say_that_a_cut_box_is_bounded_only_where_all_say_so(monkeypa
 
     def asked_both_ways(axis: int, fit: Fit, known: Knowledge) -> bool:
         value = float(fit.box.extents[axis])
-        few, every = (_uncertainty._fall(each, axis, 1.2 * value) for each in (_uncertainty._of_few_pixels(fit), fit))
+        few, every = (fall(each, axis, 1.2 * value, SHARP[0]) for each in (of_few_pixels(fit, SHARP[0]), fit))
         falls.append((few, every))
         return answered(axis, fit, known)
 

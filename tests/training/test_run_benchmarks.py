@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from benchmarks import rounding, run_episodes
+from benchmarks import present_view, rounding, run_episodes
 from tests.training.conftest import changed
 from viewgain.datasets import Dataset
 from viewgain.training import start
@@ -46,3 +46,16 @@ def test_rounding_is_told_with_its_interval(options: argparse.Namespace, capsys:
     row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("| quick"))
     before, after, cost = (float(each) for each in re.findall(r"(-?\d+\.\d+) ?%", row)[:3])
     assert cost == pytest.approx(before - after, abs=0.11)
+
+
+def test_who_names_the_present_view_stands_beside_chance(
+    options: argparse.Namespace, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(present_view, "_kinds", lambda: {"seen": ("car",)})
+    present_view.run(argparse.Namespace(runs=options.runs, scenes=1))
+    rows = [line.split("|")[1:3] for line in capsys.readouterr().out.splitlines() if line.startswith("|") and "%" in line]
+    right = {name.strip(): float(share.split()[0]) for name, share in rows}
+    assert right["by chance"] == 6.25
+    assert right["least standard deviation"] > 50 > right["guess of quick"], (
+        "the one needs no learning, the other had twelve steps"
+    )

@@ -10,11 +10,18 @@ from viewgain.box import PARAMETERS, Box
 from viewgain.geometry import inverse
 from viewgain.measure._fit import Fit, View, refine
 from viewgain.measure._mixture import Softness
+from viewgain.measure._pixels import edges_kept
 
 SPANNING = ((2, 3, 4), (0, 1, 4), (0, 1, 2, 3, 4))
 """The faces that show each axis of the box: those that contain it, and for the height the top, for the floor is known."""
 SPANNING_POINTS = 100
 """A face with at least this many returns shows how far it reaches."""
+LEVEL = 2.0
+"""A log likelihood that falls by less than this, four sigma out, is level: a Gaussian's falls by 8."""
+CLEARLY = 10.0
+"""How many times as far that of some pixels has to fall for that of all not to be asked."""
+FEW_PIXELS = 300
+"""How many those are, away from the outline; beside it some more (:func:`viewgain.measure._pixels.edges_kept`)."""
 _SIDES = (0, 1)
 _STEPS = 2
 
@@ -38,6 +45,30 @@ def profile(fit: Fit, axis: int, lengths: Array, softness: Softness) -> list[Fit
             last = refine(start, fit.views, (softness,), _STEPS, last.corrections, held=axis)
             fits[float(length)] = last
     return [fits[float(length)] for length in lengths]
+
+
+def stays_level(fit: Fit, axis: int, length: float, softness: Softness) -> bool:
+    """Return whether the log likelihood falls by less than :data:`LEVEL` from a fit to one of another length along an axis.
+
+    Some of the pixels are asked first, those at the outline among them: where theirs alone falls ten times as far, that of all
+    does not stay level, since what the others say was already best at the fit.
+    """
+    few = of_few_pixels(fit, softness)
+    return fall(few, axis, length, softness) < CLEARLY * LEVEL and fall(fit, axis, length, softness) < LEVEL
+
+
+def fall(fit: Fit, axis: int, length: float, softness: Softness) -> float:
+    """Return by how much the log likelihood falls from a fit to the one of another length, all else refitted."""
+    return fit.value - profile(fit, axis, np.array([length]), softness)[0].value
+
+
+def of_few_pixels(fit: Fit, softness: Softness) -> Fit:
+    """Return the same box beside fewer pixels of its views."""
+    views = tuple(
+        view.with_pixels(edges_kept(view.pixels, view.sees(fit.box, correction), FEW_PIXELS))
+        for view, correction in zip(fit.views, fit.corrections, strict=True)
+    )
+    return refine(fit.box, views, (softness,), 0, fit.corrections)
 
 
 def stretched(box: Box, axis: int, side: float, length: float) -> Box:

@@ -7,11 +7,10 @@ import numpy as np
 from viewgain.arrays import Array
 from viewgain.box import PARAMETERS
 from viewgain.camera import Sensor
-from viewgain.measure._fit import SHARP, Fit, View, marginal, refine
+from viewgain.measure._fit import SHARP, Fit, View, marginal
 from viewgain.measure._likelihood import Evaluation
 from viewgain.measure._mixture import Pixels
-from viewgain.measure._pixels import edges_kept
-from viewgain.measure._stretch import profile, returned
+from viewgain.measure._stretch import profile, returned, stays_level
 
 PRIOR_EXTENT = (0.02, 2.0)
 """The stated prior on a dimension is log-uniform between these, metres."""
@@ -23,9 +22,6 @@ model knows only roughly."""
 FAR_SHARE = 0.1
 """Whether a cut box's extent is bounded is asked at least this share of it further out. Nearer than that the likelihood is a
 staircase of pixels: a fit that rests on one of its steps has higher ones beside it, and they tell nothing about the far side."""
-LEVEL = 2.0
-"""A log likelihood that falls by less than this, four sigma out, is level: a Gaussian's falls by 8."""
-CLEARLY, FEW_PIXELS = 10.0, 300
 _TRIED = 12
 """Lengths at which the profile of an open dimension is fitted."""
 SYSTEMATIC = 5
@@ -189,29 +185,10 @@ def extent_interval(axis: int, fit: Fit, known: Knowledge, spread: Array, shown:
 
 
 def _is_flat_beyond(axis: int, fit: Fit, known: Knowledge) -> bool:
-    """Return whether the likelihood, four sigma or a tenth further out, falls by under a quarter of what a Gaussian would.
-
-    Some of the pixels are asked first, those at the outline among them: where theirs alone falls ten times as far, that of all
-    does not stay level, since what the others say was already best at the fit.
-    """
+    """Return whether the likelihood stays level, four sigma or a tenth further out."""
     value = float(fit.box.extents[axis])
     sigma = float(np.sqrt(np.linalg.inv(known.information + LOOSE_PRIOR)[6 + axis, 6 + axis]))
-    length = value + max(4 * sigma, FAR_SHARE * value)
-    return _fall(_of_few_pixels(fit), axis, length) < CLEARLY * LEVEL and _fall(fit, axis, length) < LEVEL
-
-
-def _fall(fit: Fit, axis: int, length: float) -> float:
-    """Return by how much the log likelihood falls from a fit to the one of another length, all else refitted."""
-    return fit.value - profile(fit, axis, np.array([length]), SHARP[0])[0].value
-
-
-def _of_few_pixels(fit: Fit) -> Fit:
-    """Return the same box beside fewer pixels of its views."""
-    views = tuple(
-        view.with_pixels(edges_kept(view.pixels, view.sees(fit.box, correction), FEW_PIXELS))
-        for view, correction in zip(fit.views, fit.corrections, strict=True)
-    )
-    return refine(fit.box, views, SHARP, 0, fit.corrections)
+    return stays_level(fit, axis, value + max(4 * sigma, FAR_SHARE * value), SHARP[0])
 
 
 def _profiled(axis: int, fit: Fit) -> Interval:
