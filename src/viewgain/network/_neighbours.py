@@ -124,8 +124,11 @@ def unrepeated(points: Tensor, mask: Tensor) -> Tensor:
         points: (B, N, 3) points.
         mask: (B, N) which points are real.
     """
-    x, y, z = points.unbind(-1)
-    same = (x[:, :, None] == x[:, None]) & (y[:, :, None] == y[:, None]) & (z[:, :, None] == z[:, None])  # (B, N, N)
-    place = torch.arange(points.shape[1], device=points.device)
-    earlier = same & mask[:, None, :] & (place < place[:, None])
-    return mask & ~earlier.any(-1)
+    order = torch.arange(points.shape[1], device=points.device).expand(mask.shape)
+    # Stable sorts by one key after the other put equal points side by side, the earliest first, and those of the padding last.
+    for key in (*points.detach().unbind(-1), ~mask):
+        order = order.gather(1, torch.sort(key.gather(1, order), dim=1, stable=True).indices)
+    ordered, real = gathered(points.detach(), rows_of(order[..., None], points.shape[1]))[:, :, 0], mask.gather(1, order)
+    again = torch.zeros_like(mask)
+    again[:, 1:] = (ordered[:, 1:] == ordered[:, :-1]).all(-1) & real[:, 1:]
+    return mask & ~torch.zeros_like(mask).scatter(1, order, again)
