@@ -5,6 +5,7 @@ import torch
 from viewgain.datasets import Dataset
 from viewgain.errors import ConfigError, DataError
 from viewgain.training import Batches, DataSettings, Examples, held_out, in_order, load_examples, present_first, symmetries
+from viewgain.training._symmetry import LOST
 
 PLAIN = DataSettings(rig="pcnbv16", resident=64)
 
@@ -15,7 +16,7 @@ def examples(data: Dataset) -> Examples:
 
 
 def batches(examples: Examples, settings: DataSettings = PLAIN, *, uses_state: bool = False, points: int = 20) -> Batches:
-    turned = symmetries(examples.poses, "object") if settings.symmetry else None
+    turned = symmetries(examples.poses, "object", vacant=settings.vacant) if settings.symmetry else None
     rows = np.arange(len(examples))
     return Batches(
         examples, settings, rows=rows, batch=8, points=points, uses_state=uses_state, seed=3, symmetries=turned
@@ -57,6 +58,36 @@ def test_the_parts_of_two_processes_make_the_batch(examples: Examples) -> None:
     for name in ("points", "mask", "targets"):
         assert torch.equal(getattr(whole, name)[0::2], getattr(even, name))
         assert torch.equal(getattr(whole, name)[1::2], getattr(odd, name))
+
+
+@pytest.mark.parametrize("uses_state", [False, True])
+def test_of_a_place_left_vacant_nothing_is_learned_and_all_other_scores_move_with_their_views(
+    examples: Examples, uses_state: bool
+) -> None:
+    whole, moving = DataSettings(resident=64), DataSettings(symmetry=True, vacant=1, resident=64)
+    motions = symmetries(examples.poses, "object", vacant=1)
+    vacant = 0
+    for step in range(4):
+        plain = batches(examples, whole, uses_state=True, points=64).at(step)
+        moved = batches(examples, moving, uses_state=uses_state, points=64).at(step)
+        assert moved.valid is not None
+        vacant += int((~moved.valid).sum())
+        for row in range(8):
+            valid, targets = moved.valid[row], moved.targets[row]
+            if not uses_state:
+                valid, targets = (each.roll(int(moved.views[row])) for each in (valid, targets))
+            # The cloud says by which motion it was moved: the points are the same, whatever their order.
+            order = torch.argsort(plain.points[row, :, 2]), torch.argsort(moved.points[row, :, 2])
+            before, after = plain.points[row][order[0]], moved.points[row][order[1]]
+            apart = [float((before @ torch.from_numpy(each[0]).float().T - after).abs().max()) for each in motions.maps]
+            carried = motions.carried[int(np.argmin(apart))]
+            assert moved.views[row] == carried[plain.views[row]]
+            for view, place in enumerate(carried.tolist()):
+                if place != LOST:
+                    assert valid[place]
+                    assert targets[place] == plain.targets[row, view]
+            assert valid.sum() == (carried != LOST).sum()
+    assert vacant > 8
 
 
 def test_points_are_drawn_without_repetition_and_anew(examples: Examples) -> None:

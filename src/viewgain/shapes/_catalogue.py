@@ -88,8 +88,8 @@ RECIPES: Mapping[str, Category] = MappingProxyType(
 def procedural(category: str, *, rng: np.random.Generator) -> TriangleMesh:
     """Return a new object of a category (or a composite), drawn from ``rng``: standing on z = 0, front towards +x, metres.
 
-    It has 80 to 6,500 triangles, a composite up to 11,000. Its parts are closed, wound outwards and share no vertices; they may run through
-    each other. The same state of ``rng`` gives the same bits.
+    It has 80 to 6,500 triangles (composites up to 11,000). Its parts are closed, wound outwards and share no vertices; they may
+    run through each other. The same state of ``rng`` gives the same bits.
 
     Raises:
         ConfigError: If there is no such category.

@@ -17,7 +17,7 @@ from viewgain.datasets import ShuffledOrder
 from viewgain.training._examples import Examples
 from viewgain.training._moved import moved_alike
 from viewgain.training._settings import DataSettings
-from viewgain.training._symmetry import Symmetries
+from viewgain.training._symmetry import LOST, Symmetries
 
 _LARGE = 1 << 62
 """Seeds of torch's generators stay under this."""
@@ -112,22 +112,24 @@ class Batches:
         # By the same draw, so that of student and teacher the one with fewer points has the first ones of the other.
         shown = None if self._teacher is None else drawn_points(self._examples, rows, self._teacher.points, self._generator(step))
         views, states, targets = (each[rows] for each in (self._examples.views, self._examples.states, self._examples.targets))
+        candidates, valid = (None if each is None else each[rows] for each in (self._examples.candidates, self._examples.valid))
         if self._maps is not None and self._carried is not None:
             which = torch.randint(len(self._carried), (len(rows),), generator=generator, device=self._device)
-            turns = self._maps[which, views].transpose(1, 2)
+            # Where the present view would get lost, all stays as it is.
+            which = torch.where(self._carried[which, views] == LOST, 0, which)
+            turns, carried = self._maps[which, views].transpose(1, 2), self._carried[which]
             clouds = clouds @ turns
             shown = None if shown is None else (shown[0] @ turns, shown[1])
-            carried = self._carried[which]
             views = carried.gather(1, views[:, None])[:, 0]
-            states, targets = (torch.zeros_like(each).scatter(1, carried, each) for each in (states, targets))
+            valid = _moved(torch.ones_like(states), carried) if bool((carried == LOST).any()) else None
+            states, targets = _moved(states, carried), _moved(targets, carried)
         taught = None
         if self._teacher is not None and shown is not None:
             taught = self._teacher.scores(shown[0][part], shown[1][part], states[part], views[part])
-        candidates, valid = (None if each is None else each[rows] for each in (self._examples.candidates, self._examples.valid))
         if candidates is not None:
             clouds, candidates = moved_alike(clouds, mask, candidates, self._settings, generator)
         clouds, mask = self._disturbed(clouds, mask, generator)
-        whole = _batch(clouds, mask, views, states, targets, uses_state=self._uses_state)
+        whole = _batch(clouds, mask, views, states, targets, valid, uses_state=self._uses_state)
         return Batch(
             points=whole.points[part],
             mask=whole.mask[part],
@@ -136,7 +138,7 @@ class Batches:
             views=whole.views[part],
             taught=taught,
             candidates=None if candidates is None else candidates[part],
-            valid=None if valid is None else valid[part],
+            valid=None if whole.valid is None else whole.valid[part],
         )
 
     def _generator(self, step: int) -> torch.Generator:
@@ -166,9 +168,9 @@ def in_order(
         clouds = examples.points[index, :points].float()
         mask = torch.arange(clouds.shape[1], device=clouds.device)[None] < examples.counts[index, None]
         views, states, targets = (each[index] for each in (examples.views, examples.states, examples.targets))
-        whole = _batch(clouds, mask, views, states, targets, uses_state=uses_state)
         candidates, valid = (None if each is None else each[index] for each in (examples.candidates, examples.valid))
-        yield chosen, replace(whole, candidates=candidates, valid=valid)
+        whole = _batch(clouds, mask, views, states, targets, valid, uses_state=uses_state)
+        yield chosen, replace(whole, candidates=candidates)
 
 
 def drawn_points(examples: Examples, rows: Tensor, points: int, generator: torch.Generator) -> tuple[Tensor, Tensor]:
@@ -192,10 +194,20 @@ def drawn_points(examples: Examples, rows: Tensor, points: int, generator: torch
     return clouds.gather(1, chosen[..., None].expand(-1, -1, 3)).float() * mask[..., None], mask
 
 
-def _batch(points: Tensor, mask: Tensor, views: Tensor, states: Tensor, targets: Tensor, *, uses_state: bool) -> Batch:
+def _batch(
+    points: Tensor, mask: Tensor, views: Tensor, states: Tensor, targets: Tensor, valid: Tensor | None, *, uses_state: bool
+) -> Batch:
     if uses_state:
-        return Batch(points=points, mask=mask, states=states.float(), targets=targets, views=views)
-    return Batch(points=points, mask=mask, states=None, targets=present_first(targets, views), views=views)
+        return Batch(points=points, mask=mask, states=states.float(), targets=targets, views=views, valid=valid)
+    first = None if valid is None else present_first(valid, views)
+    return Batch(points=points, mask=mask, states=None, targets=present_first(targets, views), views=views, valid=first)
+
+
+def _moved(values: Tensor, carried: Tensor) -> Tensor:
+    """Return (B, V) values at the views that those of (B, V) are carried to; 0 at places left vacant."""
+    count = values.shape[1]
+    places = torch.where(carried == LOST, count, carried)  # a column behind the others, which is cut off
+    return values.new_zeros(len(values), count + 1).scatter(1, places, values)[:, :count]
 
 
 def present_first(scores: Tensor, views: Tensor) -> Tensor:

@@ -176,7 +176,7 @@ def _batches(
         points=recipe.network.points,
         uses_state=recipe.network.with_view_state,
         seed=recipe.training.seed,
-        symmetries=symmetries(examples.poses, settings.frame) if settings.symmetry else None,
+        symmetries=symmetries(examples.poses, settings.frame, vacant=settings.vacant) if settings.symmetry else None,
         teacher=teacher,
     )
 

@@ -43,6 +43,9 @@ class DataSettings:
     symmetry: bool = False
     """Show each sample turned and mirrored at random, by those motions about the vertical that carry the rig onto itself; the
     scores move with the views, so they stay right. Refused where the rig has no such motion."""
+    vacant: int = 0
+    """With symmetry: also by motions that carry up to so many views to where none stands. What is then seen from the places left
+    vacant is not known, and nothing is learned of them."""
     whole_scan: bool = False
     """Clouds are whole scans in metres, as the camera measured them, instead of objects scaled to their box; the card says so."""
     turn_deg: float = 0.0
@@ -63,6 +66,8 @@ class DataSettings:
             )
         if not 0 <= self.turn_deg <= 180 or (self.whole_scan and self.frame != "camera"):
             raise ConfigError("data: wanted a turn_deg of 0 to 180, and whole scans in the camera frame only")
+        if self.vacant < 0 or (self.vacant and not self.symmetry):
+            raise ConfigError(f"data: got vacant = {self.vacant}, wanted 0 or more, and symmetry = true with it")
         if self.jitter < 0 or not 0 <= self.dropout < 1:
             raise ConfigError(f"data: got jitter {self.jitter}, dropout {self.dropout}; wanted 0 or more, and 0 to under 1")
 

@@ -1,10 +1,12 @@
 """Turns about the vertical and mirrors that carry a rig onto itself: what a cloud may undergo while its labels stay exact.
 
 A turn or a mirror image of an object is an object too, and what view k saw of the one, the view that k is carried to sees of the
-other. So the scores are the same numbers on other views. A turn that carries a view to where no view stands would leave scores
-unknown: only the rig's own symmetries are used. The 33 views of PC-NBV have 16 of them, their first 16 views 2. Ours.
+other. So the scores are the same numbers on other views. A motion that carries a view to where none stands leaves a place vacant,
+whose score is not known. The 33 views of PC-NBV have 16 symmetries; their first 16 views have 2, and 14 more that leave one place
+vacant. Ours.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +18,8 @@ from viewgain.errors import DataError
 
 _NEAR = 1e-3
 """Two cameras stand at the same place if they are this near, in distances from the centre."""
+LOST = -1
+"""Where a view is carried to if no view stands there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -23,20 +27,22 @@ class Symmetries:
     """G motions of a rig of V views; the first is to leave all as it is."""
 
     carried: NDArray[np.int64]
-    """(G, V) the view that each view is carried to."""
+    """(G, V) the view that each view is carried to, or :data:`LOST`."""
     maps: Array
-    """(G, V, 3, 3) what to do with the points of a sample taken from each view, in the frame of its points."""
+    """(G, V, 3, 3) what to do with the points of a sample taken from each view, in the frame of its points; of a view that gets
+    lost it means nothing."""
 
     def __len__(self) -> int:
         return len(self.carried)
 
 
-def symmetries(poses: Poses, frame: Frame) -> Symmetries:
+def symmetries(poses: Poses, frame: Frame, *, vacant: int = 0) -> Symmetries:
     """Return the symmetries of a rig.
 
     Args:
         poses: (V, 4, 4) camera to object; the object's z axis is the vertical, its origin the centre.
         frame: In which the points of the samples are.
+        vacant: Places that a motion may leave vacant, 0 for symmetries in the strict sense.
 
     Raises:
         DataError: If the poses are not known, or nothing but the identity carries the rig onto itself.
@@ -46,7 +52,7 @@ def symmetries(poses: Poses, frame: Frame) -> Symmetries:
     places = poses[:, :3, 3]
     found = [(np.eye(3), np.arange(len(places)))]
     for motion in _candidates(places):
-        carried = _carried(places, motion)
+        carried = _carried(places, motion, vacant)
         if carried is not None and not any(np.array_equal(carried, other) for _, other in found):
             found.append((motion, carried))
     if len(found) == 1:
@@ -64,24 +70,25 @@ def _maps(poses: Poses, motions: Array, carried: NDArray[np.int64], frame: Frame
     return np.swapaxes(turns[carried], -1, -2) @ motions[:, None] @ turns
 
 
-def _candidates(places: Points) -> list[Array]:
-    """Return every turn and mirror that carries the camera farthest from the axis to one as far from it and as high."""
+def _candidates(places: Points) -> Iterator[Array]:
+    """Yield every turn and mirror that carries a camera to one as far from the axis and as high, the farthest cameras first."""
     away = np.hypot(places[:, 0], places[:, 1])
-    size = float(np.linalg.norm(places, axis=1).max())
-    first = int(np.argmax(away))
-    alike = (np.abs(away - away[first]) < _NEAR * size) & (np.abs(places[:, 2] - places[first, 2]) < _NEAR * size)
+    near = _NEAR * float(np.linalg.norm(places, axis=1).max())
     angles = np.arctan2(places[:, 1], places[:, 0])
-    return [
-        matrix for angle in angles[alike] for matrix in (_turn(angle - angles[first]), _mirror((angle + angles[first]) / 2))
-    ]  # fmt: skip
+    for first in np.argsort(-away, kind="stable"):
+        alike = (np.abs(away - away[first]) < near) & (np.abs(places[:, 2] - places[first, 2]) < near)
+        for angle in angles[alike]:
+            yield _turn(angle - angles[first])
+            yield _mirror((angle + angles[first]) / 2)
 
 
-def _carried(places: Points, motion: Array) -> NDArray[np.int64] | None:
-    """Return (V,) where each camera lands; None if one lands where no camera stands."""
+def _carried(places: Points, motion: Array, vacant: int) -> NDArray[np.int64] | None:
+    """Return (V,) where each camera lands; None if more than ``vacant`` land where no camera stands."""
     gaps = np.linalg.norm((places @ motion.T)[:, None] - places[None], axis=2)
-    if np.any(gaps.min(axis=1) > _NEAR * np.linalg.norm(places, axis=1).max()):
+    lost = gaps.min(axis=1) > _NEAR * np.linalg.norm(places, axis=1).max()
+    if lost.sum() > vacant:
         return None
-    return np.asarray(gaps.argmin(axis=1), dtype=np.int64)
+    return np.where(lost, LOST, gaps.argmin(axis=1)).astype(np.int64)
 
 
 def _turn(angle: float) -> Array:
