@@ -10,7 +10,7 @@ from viewgain.datasets._settings import CoverageSettings, MeshSettings
 from viewgain.datasets._unit import Unit
 from viewgain.errors import ConfigError
 from viewgain.meshes import MeshEntry, MeshFolder, TriangleMesh
-from viewgain.shapes import CATEGORIES, COMPOSITE, procedural
+from viewgain.shapes import CATEGORIES, procedural
 
 SPLITS = ("same_category", "other_category")
 """``same_category``: meshes at random, so that kin of every test mesh train (variants of one shape are common in collections).
@@ -18,7 +18,7 @@ SPLITS = ("same_category", "other_category")
 
 
 def mesh_units(seed: int, folder: Path | None, rules: CoverageSettings | MeshSettings) -> Iterator[Unit]:
-    """Yield one unit per mesh, sorted by category and name, and then those of composites, which train in both divisions.
+    """Yield one unit per mesh, sorted by category and name.
 
     Raises:
         MeshError: If the folder is missing or holds no mesh.
@@ -36,7 +36,6 @@ def mesh_units(seed: int, folder: Path | None, rules: CoverageSettings | MeshSet
             "other_category": "test" if category in away else "train",
         }
         yield Unit(number=number, object=number, name=f"{category}/{name}", category=category, splits=splits, source=entry)
-    yield from _composites(rules, first=len(named))
 
 
 def mesh_of(unit: Unit, seed: int) -> TriangleMesh:
@@ -52,14 +51,6 @@ def mesh_of(unit: Unit, seed: int) -> TriangleMesh:
 
 def _held_out(rules: CoverageSettings | MeshSettings) -> tuple[str, ...]:
     return rules.held_out if isinstance(rules, CoverageSettings) else ()
-
-
-def _composites(rules: CoverageSettings | MeshSettings, *, first: int) -> Iterator[Unit]:
-    """Yield the units of composites, numbered from ``first``: after all others, which they leave as they are."""
-    splits = dict.fromkeys(SPLITS, "train")
-    for place in range(rules.composites if isinstance(rules, CoverageSettings) else 0):
-        number, name = first + place, f"{COMPOSITE}/{place:05d}"
-        yield Unit(number=number, object=number, name=name, category=COMPOSITE, splits=splits, source=None)
 
 
 def _from_folder(folder: Path, rules: CoverageSettings | MeshSettings) -> Iterable[tuple[str, str, MeshEntry | None]]:

@@ -18,7 +18,7 @@ from viewgain.errors import DataError
 
 SCHEMA = 1
 """Version of the layout on disk."""
-_LATER = {"coverage": ("steps", "wander", "composites")}
+_LATER = {"coverage": ("steps", "wander")}
 """Keys that came after there were data sets. Where they are not used they are no part of a data set's identity."""
 
 
@@ -75,9 +75,7 @@ def plan_of(recipe: Recipe, *, meshes: Path | None = None, recordings: Path | No
     units = tuple(maker.units())
     if not units:
         raise DataError(f"recipe {recipe.name}: there is nothing to make")
-    tables = Tables(
-        categories=tuple(dict.fromkeys(unit.category for unit in units)), cameras=_cameras(recipe), splits=_splits(recipe)
-    )
+    tables = Tables(categories=tuple(sorted({unit.category for unit in units})), cameras=_cameras(recipe), splits=_splits(recipe))
     return Plan(recipe=recipe, meshes=meshes, recordings=recordings, units=units, tables=tables)
 
 

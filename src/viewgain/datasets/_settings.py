@@ -57,8 +57,6 @@ class CoverageSettings:
     """Further categories that are the test part of the division by category, instead of a share that is drawn."""
     per_held_out: int = 40
     """Procedural objects in each of those."""
-    composites: int = 0
-    """Further objects, of no category (``viewgain.shapes.COMPOSITE``), that train in every division and test in none."""
     masks: bool = True
     """Store which surface points each view covers, so that further targets need no rays."""
 
@@ -68,8 +66,6 @@ class CoverageSettings:
             raise ConfigError(f"coverage: got steps {self.steps} and wander {self.wander}, wanted 0 or more, and 0 to 1")
         if self.per_held_out < 1 or set(self.held_out) & set(self.categories) or (self.held_out and not self.categories):
             raise ConfigError("coverage: wanted categories beside held_out, none in both, and per_held_out of 1 or more")
-        if self.composites < 0:
-            raise ConfigError(f"coverage: got {self.composites} composites, wanted 0 or more")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -29,7 +29,7 @@ def fresh_plan(count: int, *, seed: int) -> Plan:
         raise ConfigError(f"fresh objects: got {count} per category and seed {seed}, wanted at least 1, and 0 or more")
     whole, content = _base()
     name = f"fresh procedural objects, {count} per category, seed {seed}"
-    content = replace(content, per_category=count, per_held_out=count, test_share=0.0, composites=0)
+    content = replace(content, per_category=count, per_held_out=count, test_share=0.0)
     return plan_of(replace(whole, name=name, seed=FRESH_SEED + seed, content=content))
 
 
@@ -48,7 +48,7 @@ def mesh_plan(folder: Path, *, limit: int | None = None, seed: int = 0) -> Plan:
     if seed < 0:
         raise ConfigError(f"meshes: got seed {seed}, wanted 0 or more")
     whole, content = _base()
-    content = replace(content, categories=(), held_out=(), test_share=0.0, composites=0)
+    content = replace(content, categories=(), held_out=(), test_share=0.0)
     plan = plan_of(replace(whole, name=f"meshes of {folder.name}", seed=seed, content=content), meshes=folder.absolute())
     return plan if limit is None else limited(plan, limit, rng=np.random.default_rng([seed, _LIMIT]))
 

@@ -12,7 +12,6 @@ from viewgain.shapes._airplane import airplane
 from viewgain.shapes._assemble import Parts, assemble
 from viewgain.shapes._boat import boat
 from viewgain.shapes._bottle import bottle
-from viewgain.shapes._composite import composite
 from viewgain.shapes._dice import Dice
 from viewgain.shapes._drill import drill
 from viewgain.shapes._guitar import guitar
@@ -76,27 +75,19 @@ CATEGORIES: Mapping[str, Category] = MappingProxyType(
 )
 """Every category by its name: furniture, vehicles, vessels and tools and an instrument, then buildings and plants."""
 
-COMPOSITE = "composite"
-"""Name of objects that are of no category: random solids put against one another, to learn from and not to be met."""
-
-RECIPES: Mapping[str, Category] = MappingProxyType(
-    {**CATEGORIES, COMPOSITE: Category(composite, (0.073, 0.077, 0.074), (4.3, 6.5, 4.7))}
-)
-"""All that can be made by name: the categories, and composites."""
-
 
 def procedural(category: str, *, rng: np.random.Generator) -> TriangleMesh:
-    """Return a new object of a category (or a composite), drawn from ``rng``: standing on z = 0, front towards +x, metres.
+    """Return a new object of a category, drawn from ``rng``: standing on z = 0, front towards +x, metres.
 
-    It has 80 to 6,500 triangles (composites up to 11,000). Its parts are closed, wound outwards and share no vertices; they may
-    run through each other. The same state of ``rng`` gives the same bits.
+    It has 80 to 6,500 triangles. Its parts are closed, wound outwards and share no vertices; they may run through
+    each other. The same state of ``rng`` gives the same bits.
 
     Raises:
         ConfigError: If there is no such category.
     """
-    if category not in RECIPES:
-        raise ConfigError(f"got the category {category!r}, wanted one of: {', '.join(sorted(RECIPES))}")
-    return assemble(RECIPES[category].build(Dice(rng)), f"procedural/{category}")
+    if category not in CATEGORIES:
+        raise ConfigError(f"got the category {category!r}, wanted one of: {', '.join(sorted(CATEGORIES))}")
+    return assemble(CATEGORIES[category].build(Dice(rng)), f"procedural/{category}")
 
 
 def random_object(*, rng: np.random.Generator) -> TriangleMesh:
