@@ -10,6 +10,7 @@ from viewgain.datasets import recipe
 from viewgain.datasets._mesh_units import mesh_units
 from viewgain.datasets._settings import CoverageSettings
 from viewgain.errors import ConfigError
+from viewgain.shapes import CATEGORIES
 
 
 def test_the_recipe_of_table_1_has_the_objects_that_the_issue_asks_for() -> None:
@@ -29,6 +30,17 @@ def test_the_recipe_of_table_1_has_the_objects_that_the_issue_asks_for() -> None
     assert len(unseen) >= 400
     assert {unit.category for unit in unseen} == set(content.held_out)
     assert {unit.category for unit in parts["train", "train"]} == set(content.categories)
+
+
+def test_the_nine_categories_to_choose_by_are_none_of_table_1_and_all_count_as_unseen() -> None:
+    nine, table = recipe("coverage_nine"), recipe("coverage_table1").content
+    assert isinstance(nine.content, CoverageSettings)
+    assert isinstance(table, CoverageSettings)
+    assert not set(nine.content.categories) & {*table.categories, *table.held_out}
+    assert {*nine.content.categories, *table.categories, *table.held_out} == set(CATEGORIES)
+    units = list(mesh_units(nine.seed, None, nine.content))
+    assert len(units) == 180
+    assert {unit.splits["other_category"] for unit in units} == {"test"}
 
 
 def test_in_a_folder_of_meshes_only_the_named_categories_count(tmp_path: Path) -> None:

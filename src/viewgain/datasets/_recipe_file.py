@@ -22,6 +22,7 @@ RECIPES = (
     "boxes_recorded_paper",
     "coverage_learn_tiny",
     "coverage_table1",
+    "coverage_nine",
     "coverage_pcnbv_learn",
     "volume_irregular",
     "volume_irregular_tiny",
