@@ -48,13 +48,13 @@ def test_with_one_place_vacant_the_first_16_views_have_all_motions_of_a_full_rin
 
 def test_in_the_camera_frame_points_stay_before_the_camera() -> None:
     views = stations("pcnbv16")
-    found = symmetries(views, "camera")
+    found, motions = symmetries(views, "camera", vacant=1), symmetries(views, "object", vacant=1).maps[:, 0]
     points = np.random.default_rng(0).normal(0, 0.2, (50, 3))
-    motion = symmetries(views, "object").maps[1, 0]
-    for view in range(16):
-        seen = transform(inverse(views[view]), points)
-        wanted = transform(inverse(views[found.carried[1, view]]), points @ motion.T)
-        np.testing.assert_allclose(seen @ found.maps[1, view].T, wanted, atol=1e-9)
+    for carried, maps, motion in zip(found.carried, found.maps, motions, strict=True):
+        for view in np.flatnonzero(carried != LOST):
+            seen = transform(inverse(views[view]), points)
+            wanted = transform(inverse(views[carried[view]]), points @ motion.T)
+            np.testing.assert_allclose(seen @ maps[view].T, wanted, atol=1e-9)
 
 
 def test_a_rig_without_symmetry_is_refused() -> None:
@@ -82,5 +82,5 @@ def test_the_moved_object_has_the_carried_scores(number: int) -> None:
     gains, seen = before.gains_union[0], after.gains_union[0]
     # A pixel at the rim of the mug may fall on either side; a wrong order of the views is off by tenths.
     kept = carried != LOST
-    np.testing.assert_allclose(seen[carried[kept]], gains[kept], atol=0.015)
+    np.testing.assert_allclose(seen[carried[kept]], gains[kept], atol=0.01)
     assert np.abs(seen - gains).max() > 0.05

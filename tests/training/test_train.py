@@ -191,6 +191,18 @@ def test_half_precision_and_symmetry_train(data: Dataset, tmp_path: Path) -> Non
     assert start(recipe, tmp_path / "run", data=data.folder).reason == "iterations"
 
 
+def test_motions_that_leave_a_place_vacant_are_shown_only_where_the_recipe_says_so(data: Dataset, tmp_path: Path) -> None:
+    """The first loss is of the same weights and samples: only how they are shown differs, and what counts of their scores."""
+    settings = {"iterations": 1, "log_every": 1, "validate_every": 1}
+    shown = []
+    for name, keys in {"two": {"symmetry": True}, "again": {"symmetry": True}, "all": {"symmetry": True, "vacant": 1}}.items():
+        start(changed(data=keys, training=settings), tmp_path / name, data=data.folder)
+        shown.append(losses(tmp_path / name)[0])
+    assert shown[0] == shown[1] != shown[2]
+    with pytest.raises(ConfigError, match="vacant"):
+        changed(data={"vacant": 1})
+
+
 def test_wrong_folders_are_refused(whole: Path, data: Dataset, recipe: TrainingRecipe, tmp_path: Path) -> None:
     with pytest.raises(TrainingError, match="holds a run already"):
         start(recipe, whole, data=data.folder)

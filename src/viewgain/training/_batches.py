@@ -113,11 +113,9 @@ class Batches:
         shown = None if self._teacher is None else drawn_points(self._examples, rows, self._teacher.points, self._generator(step))
         views, states, targets = (each[rows] for each in (self._examples.views, self._examples.states, self._examples.targets))
         candidates, valid = (None if each is None else each[rows] for each in (self._examples.candidates, self._examples.valid))
-        if self._maps is not None and self._carried is not None:
-            which = torch.randint(len(self._carried), (len(rows),), generator=generator, device=self._device)
-            # Where the present view would get lost, all stays as it is.
-            which = torch.where(self._carried[which, views] == LOST, 0, which)
-            turns, carried = self._maps[which, views].transpose(1, 2), self._carried[which]
+        motions = self._motions(views, generator)
+        if motions is not None:
+            turns, carried = motions
             clouds = clouds @ turns
             shown = None if shown is None else (shown[0] @ turns, shown[1])
             views = carried.gather(1, views[:, None])[:, 0]
@@ -143,6 +141,17 @@ class Batches:
 
     def _generator(self, step: int) -> torch.Generator:
         return torch.Generator(self._device).manual_seed((self._seed * 1_000_003 + step) % _LARGE)
+
+    def _motions(self, views: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor] | None:
+        """Return (B, 3, 3) what rows of points are multiplied by, and (B, V) where views are carried to; None for no motions.
+
+        Where the present view would get lost, all stays as it is.
+        """
+        if self._maps is None or self._carried is None:
+            return None
+        which = torch.randint(len(self._carried), (len(views),), generator=generator, device=self._device)
+        which = torch.where(self._carried[which, views] == LOST, 0, which)
+        return self._maps[which, views].transpose(1, 2), self._carried[which]
 
     def _disturbed(self, clouds: Tensor, mask: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor]:
         """Return clouds with noise and with hidden points; of each at least its first point stays."""
