@@ -128,7 +128,7 @@ def unrepeated(points: Tensor, mask: Tensor) -> Tensor:
     # Stable sorts by one key after the other put equal points side by side, the earliest first, and those of the padding last.
     for key in (*points.detach().unbind(-1), ~mask):
         order = order.gather(1, torch.sort(key.gather(1, order), dim=1, stable=True).indices)
-    ordered, real = gathered(points.detach(), rows_of(order[..., None], points.shape[1]))[:, :, 0], mask.gather(1, order)
+    ordered = gathered(points.detach(), rows_of(order[..., None], points.shape[1]))[:, :, 0]
     again = torch.zeros_like(mask)
-    again[:, 1:] = (ordered[:, 1:] == ordered[:, :-1]).all(-1) & real[:, 1:]
+    again[:, 1:] = (ordered[:, 1:] == ordered[:, :-1]).all(-1)
     return mask & ~torch.zeros_like(mask).scatter(1, order, again)
