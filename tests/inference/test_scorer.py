@@ -17,6 +17,7 @@ from viewgain.inference import (
     Bounds,
     PoseScorer,
     Scorer,
+    around_middle,
     bounds_of,
     find_model,
     model_name,
@@ -35,6 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     exported(made / "object.onnx", small_settings("compact"))
     exported(made / "seen.onnx", small_settings("compact"), normalisation="seen_box", sampling="farthest")
     exported(made / "camera.onnx", small_settings("compact"), frame="camera")
+    exported(made / "middle.onnx", small_settings("compact"), frame="camera", normalisation="metres", within=0.5)
     exported(made / "told.onnx", small_settings("compact_view"))
     exported(made / "sure.onnx", small_settings("compact", uncertainty="gaussian"))
     return made
@@ -80,6 +82,42 @@ def test_in_the_camera_frame_the_box_is_moved_onto_the_axis(folder: Path) -> Non
     centre = turn @ AHEAD
     aside = normalised((shell() + AHEAD) @ turn.T, card, Bounds(centre, BOX.diagonal))
     np.testing.assert_allclose(aside, ahead, atol=1e-9)
+
+
+def test_of_a_whole_scan_only_what_lies_about_the_middle_counts(folder: Path) -> None:
+    wide = shell() + AHEAD
+    scorer = Scorer.load(folder / "middle.onnx")
+    wanted = scorer.scores(wide)
+    rng = np.random.default_rng(0)
+    around = rng.uniform(-1, 1, (400, 3)) * [3.0, 3.0, 0.1] + [0.0, 0.0, 2.5]
+    beyond = around[np.linalg.norm(around - AHEAD, axis=1) > 0.9]
+    beyond = beyond[np.hypot(beyond[:, 0], beyond[:, 1]) > 0.5]  # not where the camera looks
+    np.testing.assert_array_equal(scorer.scores(np.concatenate((wide, beyond))), wanted)
+    assert np.abs(scorer.scores(np.concatenate((wide, [[0.3, 0.0, 1.5]]))) - wanted).max() > 1e-6
+
+
+@settings(max_examples=30)
+@given(number=st.integers(1, 60), seed=st.integers(0, 99), within=st.floats(1e-6, 2.0))
+def test_what_lies_about_the_middle_is_all_that_is_near_one_of_the_points_ahead(number: int, seed: int, within: float) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-1, 1, (number, 3)) + AHEAD
+    kept = around_middle(points, within)
+    assert len(kept) >= 1
+    near = np.linalg.norm(points[:, None] - points[None], axis=-1) <= within
+    chosen = (points[:, None] == kept[None]).all(-1).any(1)
+    off_axis = np.arctan2(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
+    assert any(np.array_equal(chosen, near[row]) for row in np.argsort(off_axis)[:9])
+    assert len(around_middle(points, 10.0)) == number
+
+
+def test_one_point_that_flies_before_the_middle_is_not_what_the_camera_looks_at() -> None:
+    wall = np.stack(np.meshgrid(np.linspace(-1, 1, 41), np.linspace(-1, 1, 41), [2.0]), axis=-1).reshape(-1, 3)
+    flying = np.concatenate(([[0.0, 0.0, 0.4]], wall[np.hypot(wall[:, 0], wall[:, 1]) > 0.01]))
+    kept = around_middle(flying, 0.5)
+    assert np.all(kept[:, 2] == 2.0)
+    assert np.hypot(kept[:, 0], kept[:, 1]).max() <= 0.5 + 0.1  # what counts as the middle is a neighbour on the wall
+    assert len(kept) > 250
+    assert len(around_middle(np.empty((0, 3)), 0.5)) == 0
 
 
 @pytest.mark.parametrize("sampling", ["random", "farthest"])
@@ -238,6 +276,15 @@ def test_scoring_needs_no_torch(folder: Path) -> None:
 
 def test_a_card_that_contradicts_itself_is_refused() -> None:
     plain = small_settings("compact")
-    for changes in ({"order": "rig"}, {"views": 0}, {"points": 0}, {"name": ""}, {"rig": ""}, {"distance": 0.0}):
+    for changes in (
+        {"order": "rig"},
+        {"views": 0},
+        {"points": 0},
+        {"name": ""},
+        {"rig": ""},
+        {"distance": 0.0},
+        {"within": 0.5},
+        {"normalisation": "metres", "within": -1.0},
+    ):
         with pytest.raises(ModelError):
             card_of(plain, **changes)

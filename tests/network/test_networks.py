@@ -1,5 +1,6 @@
 """The networks: their size, their slow twins, and the laws of points, clouds and padding."""
 
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -68,6 +69,18 @@ def test_the_paper_size_networks_have_about_3_7_million_parameters(kind: Kind, v
     network = build(NetworkSettings(kind=kind, views=views), generator=seeded(0))
     assert parameters_of(network) == parameters
     assert network.features.channels == 264
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_offset_and_scale_are_taken_off_the_points_and_change_nothing_else(kind: Kind) -> None:
+    plain = small(kind)
+    moved = build(replace(plain.settings, offset=(0.3, -0.2, 2.0), scale=0.25)).double()
+    moved.load_state_dict(plain.state_dict())
+    points, state = cloud(30, batch=2), state_for(plain, 2)
+    mask = torch.arange(30)[None] < torch.tensor([[30], [21]])
+    far = 0.25 * points + points.new_tensor([0.3, -0.2, 2.0])
+    torch.testing.assert_close(moved(far, mask, state), plain(points, mask, state), rtol=0, atol=1e-9)
+    assert (moved(points, mask, state) - plain(points, mask, state)).abs().max() > 1e-3
 
 
 def test_the_compact_networks_are_a_quarter_of_the_size() -> None:
@@ -206,6 +219,10 @@ def test_what_does_not_fit_is_refused_in_one_line() -> None:
         lambda: NetworkSettings(views=0),
         lambda: NetworkSettings(shared=()),
         lambda: NetworkSettings(head=(16, 0)),
+        lambda: NetworkSettings(scale=0.0),
+        lambda: NetworkSettings(offset=(0.0, float("nan"), 0.0)),
+        lambda: NetworkSettings(kind="pose_scores", scale=2.0),
+        lambda: NetworkSettings(kind="compact", views=16, rig="pcnbv16", offset=(0.0, 0.0, 1.0)),
     ):
         with pytest.raises(ConfigError) as caught:
             act()

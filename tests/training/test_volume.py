@@ -1,6 +1,7 @@
 """Networks for volume from data to file: views that differ in number, what cannot be reached, and the planner that uses them."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from tests.datasets.engines import Inline
 from viewgain.cli import main
 from viewgain.datasets import Dataset, build, plan_of, recipe
 from viewgain.errors import DataError
+from viewgain.inference import Scorer, around_middle
 from viewgain.training import Batches, load_examples, training_recipe
 
 
@@ -86,3 +88,29 @@ def test_a_network_is_trained_exported_and_asked_on_fresh_boxes(
     assert "wanted one that was trained for volumes" in capsys.readouterr().err
     assert main(["evaluate", "volume", *arguments, "--policies", "network:nowhere.onnx"]) == 2
     assert "no such file" in capsys.readouterr().err
+
+
+def test_of_whole_scans_only_what_lies_about_the_middle_is_learned_from(tmp_path: Path) -> None:
+    folder, run, file = tmp_path / "boxes", tmp_path / "run", tmp_path / "paper.onnx"
+    assert main(["dataset", "build", "boxes_paper_tiny", "--out", str(folder)]) == 0
+    opened, settings = Dataset(folder), replace(training_recipe("volume_paper_tally").data, target="tally:1,1,0,0:0")
+    near = load_examples(opened, settings, views=4, seed=0)
+    whole = load_examples(opened, replace(settings, within=0.0), views=4, seed=0)
+    assert torch.all(near.counts < whole.counts)
+    rows = np.intersect1d(*(opened.part(division, "train") for division in settings.divisions))
+    for points, count, row in zip(near.points, near.counts, rows.tolist(), strict=True):
+        sample = opened[row]
+        kept = around_middle(sample.points, 0.75)
+        held = points[:count].double().numpy()
+        assert len(held) == min(len(kept), settings.resident)
+        assert np.linalg.norm(held - held.mean(axis=0), axis=1).max() < 1.5
+        assert {tuple(each) for each in held} <= {tuple(each) for each in kept.astype(np.float16).astype(float)}
+    trained = ["train", "volume_paper_tally", "--data", str(folder), "--out", str(run), "--iterations", "3"]
+    trained += ["--target", settings.target]
+    assert main(trained) == 0
+    assert main(["export", str(run), "--out", str(file)]) == 0
+    scorer, sample = Scorer.load(file), opened[0]
+    assert scorer.card.within == settings.within
+    assert "within 0.75 m" in file.with_suffix(".md").read_text()
+    near_alone = around_middle(sample.points, 0.75)
+    assert scorer.scores(sample.points).tolist() == scorer.scores(near_alone).tolist()

@@ -9,6 +9,7 @@ from viewgain.inference._ensemble import Ensemble as Ensemble
 from viewgain.inference._markdown import to_markdown as to_markdown
 from viewgain.inference._model_file import CARD_KEY as CARD_KEY
 from viewgain.inference._normalise import Bounds as Bounds
+from viewgain.inference._normalise import around_middle as around_middle
 from viewgain.inference._normalise import bounds_of as bounds_of
 from viewgain.inference._normalise import normalised as normalised
 from viewgain.inference._normalise import thinned as thinned

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import types
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -76,6 +77,8 @@ class ModelCard:
     """Which bounding box is moved to the origin and scaled to diagonal 1."""
     distance: float = 1.0
     """Frame camera: the box's centre then stands on the camera's axis at this distance, in diagonals."""
+    within: float = 0.0
+    """Rule ``metres``: only points within so many metres of what the camera looks at (:func:`around_middle`); 0 for all."""
     sampling: Sampling = "random"
     """How points are drawn where there are more."""
     order: Order = "present_first"
@@ -102,6 +105,11 @@ class ModelCard:
             raise ModelError(
                 f"model card {self.name!r}: got {self.views} views, {self.points} points, distance {self.distance}, rig"
                 f" {self.rig!r}; wanted a name, a rig, and positive numbers"
+            )
+        if not 0 <= self.within < math.inf or (self.within and self.normalisation != "metres"):
+            raise ModelError(
+                f"model card {self.name}: got within {self.within} with rule {self.normalisation!r}, wanted metres from 0 on, and"
+                " rule metres where it is over 0"
             )
         if (self.order == "rig") != self.with_view_state:
             raise ModelError(

@@ -51,7 +51,8 @@ def to_markdown(card: ModelCard) -> str:
 
 def _normalisation(card: ModelCard) -> str:
     if card.normalisation == "metres":
-        return "Frame: the present camera (x right, y down, z forward), metres"
+        near = f", points within {card.within:g} m of what the camera looks at" if card.within else ""
+        return f"Frame: the present camera (x right, y down, z forward), metres{near}"
     box = RULES[card.normalisation]
     if card.frame == "object":
         return f"Frame: the object's (z up). The centre of {box} goes to the origin, its diagonal becomes 1"

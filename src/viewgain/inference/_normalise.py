@@ -13,6 +13,8 @@ from viewgain.inference._card import ModelCard, Sampling
 
 SLACK = 1.1
 """A cloud said to be normalised may reach this much beyond the sphere around its box."""
+_AHEAD = 9
+"""Points about the camera's axis, of which the middle one counts: one alone may fly between two surfaces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +61,7 @@ def normalised(points: Points, card: ModelCard, bounds: Bounds | None = None) ->
     if card.normalisation == "metres":
         if len(points) == 0:
             raise ScanError("network: got no points, wanted a scan")
-        return points
+        return around_middle(points, card.within) if card.within else points
     if card.normalisation == "seen_box":
         bounds = bounds_of(points)
     if bounds is None:
@@ -68,6 +70,24 @@ def normalised(points: Points, card: ModelCard, bounds: Bounds | None = None) ->
     if card.frame == "object":
         return centred
     return np.asarray(centred @ _onto_axis(bounds.centre).T + [0.0, 0.0, card.distance])
+
+
+def around_middle(points: Points, within: float) -> Points:
+    """Return those of (n, 3) points of a whole scan that lie near what the camera looks at, never none of n of 1 or more.
+
+    That is the middle one of the nine points nearest to its axis; so does the published estimator of volumes look at what lies
+    about the middle of the image alone (docs/lines.md). Of a box that fills little of the image, most points then are its own.
+
+    Args:
+        points: (n, 3) metres, camera frame.
+        within: Greatest distance from there, metres, over 0.
+    """
+    if len(points) == 0:
+        return points
+    cosine = points[:, 2] / np.maximum(np.linalg.norm(points, axis=1), 1e-12)
+    ahead = points[np.argsort(-cosine, kind="stable")[:_AHEAD]]
+    middle = ahead[np.argmin(np.linalg.norm(ahead - np.median(ahead, axis=0), axis=1))]
+    return np.asarray(points[np.linalg.norm(points - middle, axis=1) <= within])
 
 
 def _as_given(points: Points, card: ModelCard) -> Points:

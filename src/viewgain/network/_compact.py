@@ -60,7 +60,7 @@ class Compact(ScoreNetwork):
         return answers_as_output(answers.reshape(-1, self.settings.views, NUMBERS[self.settings.uncertainty])), presence
 
     def _impression(self, points: Tensor, mask: Tensor) -> Impression:
-        levels = self.hierarchy(points, mask)
+        levels = self.hierarchy(self.standardised(points), mask)
         greatest = torch.relu(self.wide(levels.far).amax(1))
         whole = torch.relu(self.cloud(torch.cat((greatest, levels.mean), dim=-1)))
         if self.look is None:

@@ -57,6 +57,11 @@ class ScoreNetwork(nn.Module, ABC):
         """
         raise ConfigError(f"network {self.settings.kind}: does not say from where a cloud was seen; wanted compact")
 
+    def standardised(self, points: Tensor) -> Tensor:
+        """Return (B, N, 3) points less the offset and over the scale of the settings."""
+        settings = self.settings
+        return (points - points.new_tensor(settings.offset)) * (1 / settings.scale) if settings.standardises else points
+
     @abstractmethod
     def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return as :meth:`forward`, of sound inputs in which no real point is repeated: what is exported."""

@@ -59,7 +59,7 @@ class PcNbv(ScoreNetwork):
 
     def scored(self, points: Tensor, mask: Tensor, view_state: Tensor | None) -> Tensor:
         """Return the scores, one step of Fig. 7 per line."""
-        local = self.features(points, mask)  # (B, N, 264)
+        local = self.features(self.standardised(points), mask)  # (B, N, 264)
         cloud = joined(pooled(local, mask), view_state)  # (B, 264 (+ V))
         seen = self.attention(local, cloud, mask)  # (B, N, 528 (+ V))
         return shaped(self.head(pooled(self.shared(seen), mask)), self.settings)

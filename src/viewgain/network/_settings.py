@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
+import numpy as np
+
 from viewgain.errors import ConfigError
 from viewgain.rigs import rig
 
@@ -40,6 +42,10 @@ class NetworkSettings:
     rig: str = ""
     """The rig whose views look at the points from where they stand (the compact networks, points in the object's frame); empty:
     a view knows nothing of its place but what it learns."""
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """What the coordinates are lessened by before the first layer, units of the input: about where whole scans in metres lie."""
+    scale: float = 1.0
+    """What they are divided by then: a layer that sees centimetres beside metres of distance learns them slowly."""
     uncertainty: Uncertainty = "none"
     """``gaussian``: a second number per view, the logarithm of the score's variance. ``evidential``: three more, a distribution
     over the score's mean and variance (Amini et al. 2020)."""
@@ -52,10 +58,21 @@ class NetworkSettings:
         counts = (self.views, self.points, self.neighbours, self.blocks, *self.centres)
         if min(*widths, *counts) < 1 or not self.shared or not self.head:
             raise ConfigError("network: wanted views, points, neighbours, blocks, centres and all widths of at least one")
+        if not np.all(np.isfinite([*self.offset, self.scale])) or self.scale <= 0:
+            raise ConfigError(
+                f"network: got offset {self.offset} and scale {self.scale}, wanted finite numbers and a positive scale"
+            )
+        if self.standardises and (self.rig or self.with_poses):
+            raise ConfigError("network: got an offset or a scale where views stand among the points, wanted neither")
         if self.rig and self.kind not in ("compact", "compact_view"):
             raise ConfigError(f"network: got rig {self.rig!r} for kind {self.kind}, whose views do not look; wanted none")
         if self.rig and len(rig(self.rig).stations) != self.views:
             raise ConfigError(f"network: got views = {self.views}, wanted the {len(rig(self.rig).stations)} of rig {self.rig!r}")
+
+    @property
+    def standardises(self) -> bool:
+        """Whether coordinates are moved or scaled before the first layer."""
+        return self.scale != 1 or any(self.offset)
 
     @property
     def with_poses(self) -> bool:

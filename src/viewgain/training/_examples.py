@@ -15,6 +15,7 @@ from viewgain.arrays import Poses
 from viewgain.datasets import Dataset, Sample, rig_of, with_target
 from viewgain.errors import DataError
 from viewgain.geometry import inverse
+from viewgain.inference import around_middle
 from viewgain.training._settings import DataSettings
 
 NEVER = -2.0
@@ -110,9 +111,10 @@ def _stacked(
     for row, index in enumerate(chosen.tolist()):
         sample = data[index].in_frame(settings.frame)
         _check_sample(data, index, sample, views, at_most=with_poses)
-        drawn = np.random.default_rng([seed, _RESIDENT, index]).permutation(len(sample.points))[:held]
+        cloud = around_middle(sample.points, settings.within) if settings.within else sample.points
+        drawn = np.random.default_rng([seed, _RESIDENT, index]).permutation(len(cloud))[:held]
         counts[row], objects[row] = len(drawn), sample.object
-        points[row, : len(drawn)] = sample.points[drawn]
+        points[row, : len(drawn)] = cloud[drawn]
         # A network that is told poses needs no order of the rig: candidates stay as they lie, the present one first.
         own, view = slice(len(sample.candidates)), 0 if with_poses else sample.view
         present[row] = view

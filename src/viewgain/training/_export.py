@@ -96,6 +96,7 @@ def card_of(
         points=network.points,
         frame=recipe.data.frame,
         normalisation="metres" if recipe.data.whole_scan else "whole_box",
+        within=recipe.data.within,
         order="rig" if network.with_view_state else "present_first",
         with_view_state=network.with_view_state,
         uncertainty=network.uncertainty != "none",

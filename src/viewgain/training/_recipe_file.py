@@ -13,6 +13,7 @@ TRAINING_RECIPES = (
     "tiny",
     "pc_nbv",
     "pc_nbv_noview",
+    "pc_nbv_short",
     "pc_nbv_noview_short",
     "pc_nbv33",
     "compact",

@@ -48,6 +48,9 @@ class DataSettings:
     vacant is not known, and nothing is learned of them."""
     whole_scan: bool = False
     """Clouds are whole scans in metres, as the camera measured them, instead of objects scaled to their box; the card says so."""
+    within: float = 0.0
+    """Of whole scans only what lies within so many metres of what the camera looks at (``viewgain.inference.around_middle``), by
+    which a small box gets more of the network's points; 0 for all. The card says so."""
     turn_deg: float = 0.0
     """For networks that are told the candidates' poses: turn the present camera's axes at random by up to so much, points and
     poses alike; what a candidate sees stays the same."""
@@ -66,6 +69,8 @@ class DataSettings:
             )
         if not 0 <= self.turn_deg <= 180 or (self.whole_scan and self.frame != "camera"):
             raise ConfigError("data: wanted a turn_deg of 0 to 180, and whole scans in the camera frame only")
+        if not 0 <= self.within < float("inf") or (self.within and not self.whole_scan):
+            raise ConfigError(f"data: got within = {self.within}, wanted 0 or more metres, and whole_scan = true with it")
         if self.vacant < 0 or (self.vacant and not self.symmetry):
             raise ConfigError(f"data: got vacant = {self.vacant}, wanted 0 or more, and symmetry = true with it")
         if self.jitter < 0 or not 0 <= self.dropout < 1:
@@ -186,6 +191,10 @@ class TrainingRecipe:
                 self.network.rig != "" and (self.data.frame, self.data.rig) != ("object", self.network.rig),
                 f"views that look from {self.network.rig} for data of rig {self.data.rig!r} in the frame of the"
                 f" {self.data.frame}, wanted the same rig and the frame of the object",
+            ),
+            (
+                with_poses and self.data.within > 0,
+                f"within for a network of kind {kind}, whose candidates look at the whole scan; wanted within = 0",
             ),
             (with_poses and self.distil is not None, f"a teacher for a network of kind {kind}, which knows no rig; drop distil"),
         )
