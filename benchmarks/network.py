@@ -23,7 +23,9 @@ from viewgain.network import PcNbv, ScoreNetwork, build, export_onnx, parameters
 from viewgain.training import TrainingRecipe, training_recipe
 
 Work: TypeAlias = Callable[[], object]
-RECIPES = ("pc_nbv", "pc_nbv_noview", "compact")
+PUBLISHED = ("pc_nbv", "pc_nbv_noview")
+"""Also with the textbook's edge convolution."""
+RECIPES = (*PUBLISHED, "pc_nbv_noview_short", "compact")
 TEXTBOOK = ", textbook edges"
 BATCH = 4
 REPEATS = 9
@@ -53,13 +55,21 @@ def run(options: argparse.Namespace) -> None:
     sizes = [(recipe.network.points, f"{parameters_of(network):,}") for network, recipe in networks.values()]
     forward = _milliseconds([_forward(*each) for each in networks.values()])
     onnx = _milliseconds([_onnx(*each) for name, each in networks.items() if TEXTBOOK not in name])
-    steps = _milliseconds([_step(*each) for each in networks.values()], BATCH)
+    steps, halves = (_milliseconds([_step(*each, half=half) for each in networks.values()], BATCH) for half in (False, True))
     exported = iter(onnx)
     rows = [
-        (name, *size, ahead, "" if TEXTBOOK in name else next(exported), step)
-        for name, size, ahead, step in zip(networks, sizes, forward, steps, strict=True)
+        (name, *size, ahead, "" if TEXTBOOK in name else next(exported), step, half)
+        for name, size, ahead, step, half in zip(networks, sizes, forward, steps, halves, strict=True)
     ]
-    header = ("network", "points", "parameters", "forward, torch", "forward, onnxruntime", "training step")
+    header = (
+        "network",
+        "points",
+        "parameters",
+        "forward, torch",
+        "forward, onnxruntime",
+        "training step",
+        "training step, bfloat16",
+    )
     print(markdown(header, rows) + "\n")
     _one_layer()
 
@@ -69,7 +79,7 @@ def _networks() -> Iterator[tuple[str, str, ScoreNetwork]]:
     for recipe in RECIPES:
         network = _fresh(training_recipe(recipe))
         yield recipe, recipe, network
-        if isinstance(network, PcNbv):
+        if recipe in PUBLISHED:
             yield f"{recipe}{TEXTBOOK}", recipe, _with_textbook(_fresh(training_recipe(recipe)))
 
 
@@ -102,15 +112,17 @@ def _forward(network: ScoreNetwork, recipe: TrainingRecipe) -> Work:
     return forward
 
 
-def _step(network: ScoreNetwork, recipe: TrainingRecipe) -> Work:
-    """Return one step of Adam on a batch."""
+def _step(network: ScoreNetwork, recipe: TrainingRecipe, *, half: bool) -> Work:
+    """Return one step of Adam on a batch, the network in single precision or in bfloat16."""
     inputs, targets = _clouds(recipe, BATCH), torch.rand((BATCH, recipe.network.views))
     optimiser = torch.optim.Adam(network.parameters(), lr=1e-4)
 
     def step() -> None:
         network.train()
         optimiser.zero_grad()
-        (score_loss(network(*inputs), targets, recipe.loss) + weight_penalty(network)).backward()
+        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=half):
+            scores = network(*inputs)
+        (score_loss(scores.float(), targets, recipe.loss) + weight_penalty(network)).backward()
         optimiser.step()
 
     return step

@@ -1,5 +1,6 @@
 """Distillation: the student follows the teacher, in its own order of views; a teacher that means something else is refused."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,7 +32,7 @@ from viewgain.training import (
     start,
     symmetries,
 )
-from viewgain.training._teacher import check_teacher
+from viewgain.training._teacher import _by_rule, check_teacher
 
 MOST_POINTS = 64
 
@@ -170,6 +171,17 @@ def test_a_teacher_that_scores_poses_is_refused() -> None:
     card = card_of(small_settings("compact"), kind="pose_scores")
     with pytest.raises(ConfigError, match="scores poses"):
         check_teacher(card, taught_by(Path("a.onnx")), "pcnbv16")
+
+
+@pytest.mark.parametrize(("within", "fits"), [(0.75, True), (0.0, False), (0.5, False)])
+def test_a_teacher_looks_at_what_the_student_looks_at(within: float, fits: bool) -> None:
+    card = card_of(small_settings("compact"), frame="camera", normalisation="metres", within=0.75)
+    recipe = taught_by(Path("a.onnx"))
+    recipe = replace(recipe, data=replace(recipe.data, frame="camera", whole_scan=True, within=within))
+    with nullcontext() if fits else pytest.raises(ConfigError, match=f"points within 0.75, wanted {within}"):
+        check_teacher(card, recipe, "pcnbv16")
+    points = torch.rand(2, 40, 3) + torch.tensor([0.0, 0.0, 1.5])
+    assert torch.equal(_by_rule(points, torch.ones(2, 40, dtype=torch.bool), card), points)
 
 
 @pytest.mark.parametrize(

@@ -140,8 +140,12 @@ def _of_file(model: str) -> tuple[ModelCard, Path, Answer]:
 
 
 def _by_rule(points: Tensor, mask: Tensor, card: ModelCard) -> Tensor:
-    """Return the clouds normalised as the teacher knows them: those of a data set are so by the whole object's box already."""
-    if card.normalisation == "whole_box":
+    """Return the clouds normalised as the teacher knows them.
+
+    Those of a data set are so by the whole object's box already; whole scans hold what lies about the middle already, as far as
+    the student learns from it (:func:`check_teacher`).
+    """
+    if card.normalisation != "seen_box":
         return points
     ready = torch.zeros_like(points)
     for cloud, given, real in zip(ready, points, mask, strict=True):
@@ -160,6 +164,7 @@ def check_teacher(card: ModelCard, recipe: TrainingRecipe, rig: str) -> None:
         ("views", card.views, recipe.network.views),
         ("frame", card.frame, recipe.data.frame),
         ("scores", taught, recipe.data.target),
+        ("points within", card.within, recipe.data.within),
     ):
         if got != wanted:
             raise ConfigError(
