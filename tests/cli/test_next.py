@@ -105,6 +105,19 @@ def test_a_view_for_coverage_is_not_explained_by_the_volume(scans: Path, capsys:
     assert "nothing" not in table, "which faces a candidate would see is for who predicts them to say"
 
 
+@pytest.mark.parametrize(("pose", "chosen"), [(True, "compact-pcnbv16-object"), (False, "compact-pcnbv16-camera")])
+def test_where_no_network_is_named_the_one_that_chooses_best_decides(
+    pose: bool, chosen: str, scans: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scan = [str(scans / "one.ply"), "--pose", str(scans / "one_pose.txt")] if pose else [str(scans / "one_unposed.ply")]
+    asked = [*scan, "--objective", "coverage", "--policy", "network", "--rig", "pcnbv16"]
+    scores = [
+        [candidate["score"] for candidate in plan_of([*asked, *named], capsys)["candidates"]]
+        for named in ([], ["--model", chosen])
+    ]
+    assert scores[0] == scores[1]
+
+
 def test_the_volume_is_abstained_from_below_the_chance_asked_for(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The chance is said whoever decides, an abstention has it as its reason, and the more is asked the fewer views are named."""
     plain = plan_of([str(scans / "one.png"), "--tolerance", "0.001"], capsys)

@@ -100,7 +100,11 @@ def _for_volume(command: Next, scan: Scan) -> Policy:
 
 
 def _shipped(rig_name: str, *, posed: bool) -> Path:
-    """Return the shipped network for a rig: without the view state, full size before compact; raises ModelError without one."""
+    """Return the shipped network for a rig, of those without the view state the one that chooses best: compact before full size.
+
+    Raises:
+        ModelError: If there is none.
+    """
     frames = ("object", "camera") if posed else ("camera", "object")
-    names = [model_name(kind, rig_name, frame) for frame in frames for kind in ("pc_nbv_noview", "compact")]
+    names = [model_name(kind, rig_name, frame) for frame in frames for kind in ("compact", "pc_nbv_noview")]
     return find_model(next((name for name in names if name in shipped_models()), names[0]))
