@@ -73,13 +73,13 @@ def normalised(points: Points, card: ModelCard, bounds: Bounds | None = None) ->
 
 
 def around_middle(points: Points, within: float) -> Points:
-    """Return those of (n, 3) points of a whole scan that lie near what the camera looks at, never none of n of 1 or more.
+    """Return those of (n, 3) points of a whole scan that lie near what the camera looks at; one at least where there are any.
 
-    That is the middle one of the nine points nearest to its axis; so does the published estimator of volumes look at what lies
-    about the middle of the image alone (docs/lines.md). Of a box that fills little of the image, most points then are its own.
+    It looks at the middle one of the nine points nearest to its axis (ours). The published estimator of volumes, too, takes only
+    what lies about the middle of the image (docs/lines.md). Of a box that fills little of it, that leaves more points on the box.
 
     Args:
-        points: (n, 3) metres, camera frame.
+        points: (n, 3) metres, camera frame, in any order; of none, none are returned.
         within: Greatest distance from there, metres, over 0.
     """
     if len(points) == 0:
