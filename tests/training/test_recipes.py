@@ -110,6 +110,21 @@ def test_a_wrong_recipe_names_the_key(tables: dict[str, dict[str, object]], word
         changed(**tables)
 
 
+@pytest.mark.parametrize(
+    ("network", "wanted"),
+    [
+        ({"offset": [0.0, 1.0]}, "got [0.0, 1.0], wanted a list of 3: a number, a number, a number"),
+        ({"shared": 3}, "got 3, wanted a list, of each a whole number"),
+        ({"scale": "wide"}, "got 'wide', wanted a number"),
+        ({"kind": "large"}, "got 'large', wanted one of pc_nbv, pc_nbv_noview, compact"),
+    ],
+)
+def test_a_value_of_another_type_is_told_what_was_wanted(network: dict[str, object], wanted: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        changed(network=network)
+    assert wanted in str(caught.value)
+
+
 def test_a_recipe_without_network_is_refused() -> None:
     with pytest.raises(ConfigError, match="network"):
         training_recipe_from_table({"makes": TABLE["makes"]}, "quick")

@@ -30,6 +30,8 @@ RECIPES = (
     "volume_random_tiny",
 )
 """Names of the recipes that come with the package."""
+_WORDS = {float: "a number", int: "a whole number", str: "text", bool: "true or false", type(None): "nothing"}
+"""What types are called in errors."""
 _TOP = ("makes", "takes", "seed", "units_per_shard", "points", *CONTENTS)
 
 
@@ -136,4 +138,18 @@ def _value(hint: Any, value: object, where: str) -> Any:
             return record(hint, value, where)
         if isinstance(value, hint) and (hint is bool or not isinstance(value, bool)):
             return value
-    raise ConfigError(f"{where}: got {value!r}, wanted {getattr(hint, '__name__', hint)}")
+    raise ConfigError(f"{where}: got {value!r}, wanted {_in_words(hint)}")
+
+
+def _in_words(hint: Any) -> str:
+    """Return what a field's type asks for, as the writer of a recipe would say it."""
+    origin, inside = get_origin(hint), get_args(hint)
+    if origin is tuple and inside[-1] is Ellipsis:
+        return f"a list, of each {_in_words(inside[0])}"
+    if origin is tuple:
+        return f"a list of {len(inside)}: {', '.join(map(_in_words, inside))}"
+    if origin is Literal:
+        return f"one of {', '.join(map(str, inside))}"
+    if origin is UnionType:
+        return " or ".join(map(_in_words, inside))
+    return _WORDS.get(hint, getattr(hint, "__name__", str(hint)))
