@@ -46,13 +46,25 @@ def test_other_data_steps_frame_or_points_or_no_seed_keep_networks_apart() -> No
         assert [each.name for each in families({"a": first, "b": other})] == ["a", "b"]
 
 
-@pytest.mark.parametrize("names", [("without", "with", "other"), ("with", "without", "other"), ("other", "with", "without")])
-def test_each_is_held_against_the_first_and_no_two_of_them_twice(names: tuple[str, ...]) -> None:
-    cards = {"without": card("compact", "0"), "with": card("compact_view", "0"), "other": card("compact", "0", points=256)}
+@pytest.mark.parametrize(
+    ("names", "further"),
+    [
+        (("without", "with", "other"), [("other", "without")]),
+        (("with", "without", "other"), [("other", "without")]),
+        (("other", "with", "without"), [("with", "other"), ("without", "other")]),
+        (("without", "with", "other", "large"), [("other", "without"), ("large", "with")]),
+        (("large", "other"), [("other", "large")]),
+    ],
+)
+def test_each_is_held_against_the_first_that_is_told_as_much(names: tuple[str, ...], further: list[tuple[str, str]]) -> None:
+    cards = {
+        "without": card("compact", "0"),
+        "with": card("compact_view", "0"),
+        "other": card("compact", "0", points=256),
+        "large": card("pc_nbv", "0"),
+    }
     pairs = compared(families({name: cards[name] for name in names}))
-    assert pairs[0] == ("without", "with")
-    assert len({frozenset(pair) for pair in pairs}) == len(pairs) == (3 if names[0] == "other" else 2)
-    assert all(names[0] in pair for pair in pairs[1:])
+    assert pairs == [("without", "with")] * ("without" in names) + further
 
 
 def test_networks_that_differ_by_more_than_the_view_state_are_not_paired() -> None:

@@ -54,10 +54,18 @@ def without_and_with(found: Sequence[Family]) -> tuple[tuple[Family, Family], ..
 
 
 def compared(found: Sequence[Family]) -> list[tuple[str, str]]:
-    """Return who is held against whom: those of :func:`without_and_with`, then each against the first, no two of them twice."""
+    """Return who is held against whom, no two of them twice.
+
+    Those of :func:`without_and_with`; then each against the first that is told as much, the view state or not. The first that is
+    told it, or is not, stands against the first of all.
+    """
     pairs = [(one.name, two.name) for one, two in without_and_with(found)]
-    further = [(each.name, found[0].name) for each in found[1:]]
-    return pairs + [(one, two) for one, two in further if (one, two) not in pairs and (two, one) not in pairs]
+    for place, each in enumerate(found[1:], start=1):
+        earlier = [other for other in found[:place] if other.card.with_view_state == each.card.with_view_state]
+        pair = (each.name, (earlier or found)[0].name)
+        if pair not in pairs and pair[::-1] not in pairs:
+            pairs.append(pair)
+    return pairs
 
 
 def _key(card: ModelCard) -> tuple[str, ...]:

@@ -81,7 +81,7 @@ class Table1:
     rows: tuple[Row, ...]
     """Networks first, means over their seeds, then floors and the oracle."""
     differences: tuple[Difference, ...]
-    """Families against the constant answer, without the view state against with it, each further one against the first."""
+    """Families against the constant answer, then against each other by :func:`viewgain.evaluation.compared`."""
     kept: tuple[Kept, ...] = ()
     """Of each family, where seen categories were judged as well."""
 

@@ -113,7 +113,7 @@ def _kept(means: Mapping[str, Array], objects: NDArray[np.int64], seen: Judgemen
 def _differences(
     results: Mapping[str, Array], found: tuple[Family, ...], objects: NDArray[np.int64], rng: np.random.Generator
 ) -> tuple[Difference, ...]:
-    """Return each family against the constant answer, without against with view state, each further one against the first."""
+    """Return each family against the constant answer, then against each other by :func:`compared`."""
     floor = results.get(CONSTANT)
     against_floor = () if floor is None else tuple(
         Difference(
