@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Points
+from viewgain.arrays import Array, Indices, Points
 from viewgain.camera import Sensor
 from viewgain.geometry import Plane, fit_plane
 from viewgain.measure._range_image import RangeImage
@@ -15,6 +15,14 @@ _REFINING = 4000
 _NORMAL_GATE = np.cos(np.deg2rad(15.0))
 _MAX_BELOW = 0.05
 _MIN_SUPPORT = 0.05
+_WIDE, _NARROW = (0.03, 0.015, 0.01), (0.015, 0.01, 0.007)
+"""How near points have to lie to take part in the next fit; these and the next, metres at half a metre, more farther off."""
+_CLOSE, _BENEATH = 0.004, 0.02
+_CLEARLY = 1.1
+"""How much more has to lie close to a rival."""
+_RIVALS, _RIVAL_SCORE = 11, 0.5
+"""How many are tried, and the share of the best score that they need."""
+_ALIKE, _ALIKE_M, _SAME_WAY = np.cos(np.deg2rad(0.8)), 0.015, np.cos(np.deg2rad(10.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +43,9 @@ def find_floors(image: RangeImage, sensor: Sensor) -> list[Floor]:
     One-point RANSAC on smoothed pixel normals (seeded by the data's own size, so the same scan gives the same floor), support
     weighed by metric area so that a near box top does not outvote a far floor; then least squares on all its points. A plane
     can be a floor only if at most 5 % of the area seen lies beneath it; one that faces up in the image is preferred to a wall.
+
+    A plane that slants through the floor and the top of a large flat box has as much support as either. So where another plane
+    that leans about the same way has clearly more area close to it, that one is the floor.
     """
     points, normals, area = _oriented_samples(image)
     if len(points) < 50:
@@ -50,13 +61,51 @@ def find_floors(image: RangeImage, sensor: Sensor) -> list[Floor]:
     support = weight @ ((np.abs(height) < tolerance) & aligned)
     below = weight @ (height < -3 * tolerance)
     score = support * _upness(directions) * (below < _MAX_BELOW) * (support > _MIN_SUPPORT) * (offsets > 0.1)
+    blocks = _Blocks(points, np.linalg.norm(points, axis=1), area / area.sum())
     floors: list[Floor] = []
-    for best in np.argsort(-score):
+    order = np.argsort(-score)
+    for place, best in enumerate(order):
         if score[best] <= 0 or len(floors) == 3:
             break
         if all(directions[best] @ known.plane.normal < 0.9 for known in floors):
-            floors.append(_refined(image, Plane(directions[best], float(offsets[best])), sensor))
+            nearly = order[place:][score[order[place:]] >= _RIVAL_SCORE * score[best]]
+            planes = [Plane(directions[k], float(offsets[k])) for k in _apart(directions, offsets, nearly)]
+            floors.append(_refined(image, planes, blocks, sensor))
     return floors
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Blocks:
+    """Means over blocks of pixels, on which noise is small beside the height of a flat box."""
+
+    points: Points
+    ranges: Array
+    area: Array
+    """(n,) share of the area seen."""
+
+    def closeness(self, plane: Plane) -> float:
+        """Return the share of the area that lies within millimetres of a plane; 0 if too much lies beneath it for a floor."""
+        height, reach = plane.height(self.points), 0.5 + self.ranges
+        beneath = float(self.area @ (height < -_BENEATH * reach))
+        facing = float(_upness(plane.normal[None])[0])
+        return float(self.area @ (np.abs(height) < _CLOSE * reach)) * facing * (beneath < _MAX_BELOW)
+
+    def best_of(self, planes: list[Plane]) -> Plane:
+        """Return the plane that has most close to it, each fitted to the blocks near it."""
+        return max((_fitted(plane, self.points, self.ranges, _NARROW) for plane in planes), key=self.closeness)
+
+
+def _apart(directions: Points, offsets: Array, candidates: Indices) -> list[int]:
+    """Return the first candidate and up to ``_RIVALS`` later ones that lean as it does within ten degrees, no two alike."""
+    chosen = [int(candidates[0])]
+    for each in candidates[1:]:
+        cosine = directions[chosen] @ directions[each]
+        alike = (cosine > _ALIKE) & (np.abs(offsets[chosen] - offsets[each]) < _ALIKE_M)
+        if cosine[0] > _SAME_WAY and not alike.any():
+            chosen.append(int(each))
+            if len(chosen) > _RIVALS:
+                break
+    return chosen
 
 
 def _upness(normals: Points) -> Array:
@@ -105,20 +154,32 @@ def _block_means(points: Array, side: int) -> Array:
     return np.where((count >= side * side / 2)[..., None], total / np.maximum(count, 1)[..., None], np.nan)
 
 
-def _refined(image: RangeImage, plane: Plane, sensor: Sensor) -> Floor:
+def _refined(image: RangeImage, planes: list[Plane], blocks: _Blocks, sensor: Sensor) -> Floor:
+    """Return the floor of the first plane, or of the one of the others that has clearly more close to it."""
     at = np.flatnonzero(image.valid)
     at = at[:: max(1, len(at) // _REFINING)]
     ranges = image.ranges.ravel()[at]
     points = image.directions.reshape(-1, 3)[at] * ranges[:, None]
-    for tolerance in (0.03, 0.015, 0.01):
-        near = points[np.abs(plane.height(points)) < tolerance * (0.5 + ranges)]
-        if len(near) < 50:
-            break
-        plane = fit_plane(near)
+    plane = _fitted(planes[0], points, ranges, _WIDE)
+    needed = _CLEARLY * blocks.closeness(plane)
+    if len(planes) > 1 and needed < 1:
+        rival = blocks.best_of(planes[1:])
+        if blocks.closeness(rival) > needed:
+            plane = _fitted(rival, points, ranges, _NARROW)
     residual = plane.height(points)
     near_residual = residual[np.abs(residual) < 0.03]
     spread = 1.4826 * float(np.median(np.abs(near_residual))) if len(near_residual) else 0.01
     return Floor(plane, max(spread, 1e-4), _pixel_noise(image, plane, sensor))
+
+
+def _fitted(plane: Plane, points: Points, ranges: Array, tolerances: tuple[float, ...]) -> Plane:
+    """Return the plane of least squares on what lies near one, nearer from step to step."""
+    for tolerance in tolerances:
+        near = points[np.abs(plane.height(points)) < tolerance * (0.5 + ranges)]
+        if len(near) < 50:
+            break
+        plane = fit_plane(near)
+    return plane
 
 
 def _pixel_noise(image: RangeImage, plane: Plane, sensor: Sensor) -> float:
