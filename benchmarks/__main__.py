@@ -28,6 +28,7 @@ from benchmarks import (
     simulation,
     stacks,
     surrogate,
+    trust,
     volume,
 )
 
@@ -56,6 +57,7 @@ BENCHMARKS = {
     "run-episodes": run_episodes.run,
     "surrogate": surrogate.run,
     "error-model": error_model.run,
+    "trust": trust.run,
     "confidence": confidence.run,
 }
 
@@ -68,7 +70,7 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504), enclosing (500), error-model (boxes; 1000), surrogate (boxes; 160), data-labels (meshes; 20),"
+        " (504), enclosing (500), error-model and trust (boxes; 1000), surrogate (boxes; 160), data-labels (meshes; 20),"
         " coverage-policies (objects; 30) and present-view (objects of a category; 6)",
     )
     parser.add_argument(
@@ -91,7 +93,7 @@ def main() -> None:
         help="folders: data sets of data-statistics, rounding, run-episodes; results of confidence",
     )
     parser.add_argument("--runs", nargs="*", type=Path, help="present-view, rounding, run-episodes: folders of training runs")
-    parser.add_argument("--kept", type=Path, help="error-model: folder that keeps what was measured, and gives it back")
+    parser.add_argument("--kept", type=Path, help="error-model, trust: folder that keeps what was measured, and gives it back")
     parser.add_argument("--out", type=Path, help="error-model, confidence: also write the fit to all boxes, into this file")
     options = parser.parse_args()
     unknown = set(options.names) - set(BENCHMARKS)

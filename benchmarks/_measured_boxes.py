@@ -14,7 +14,7 @@ import numpy as np
 
 from viewgain.arrays import Poses
 from viewgain.box import Box
-from viewgain.camera import sensor
+from viewgain.camera import Sensor, sensor
 from viewgain.datasets import write_whole
 from viewgain.errors import ViewgainError
 from viewgain.gain import BoxScans, measured_scan, measured_volume
@@ -39,6 +39,8 @@ _SIDES = (0.05, 1.2)
 class MeasuredBox:
     """One box and what came of measuring it."""
 
+    number: int
+    """Which box."""
     camera: str
     """Which."""
     box: Box
@@ -65,31 +67,63 @@ def measured_boxes(count: int, folder: Path | None, workers: int) -> Iterator[Me
 def _kept(number: int, folder: Path | None) -> MeasuredBox | None:
     file = None if folder is None else folder / f"box{number:05d}.json"
     if file is not None and file.exists():
-        return _from_dict(json.loads(file.read_text(encoding="utf-8")))
+        return _from_dict(number, json.loads(file.read_text(encoding="utf-8")))
     found = measured_box(number)
     if file is not None:
         write_whole(file, json.dumps(_to_dict(found)).encode())
     return found
 
 
-def measured_box(number: int) -> MeasuredBox | None:
-    """Measure a box; None where fewer than two positions can be reached."""
-    rng = np.random.default_rng([*_STREAM, number])
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnBox:
+    """One box before it is measured."""
+
+    box: Box
+    """World frame."""
+    camera: Sensor
+    """As its data sheet has it."""
+    stations: Poses
+    """(V, 4, 4) positions without jitter, ``camera_to_world``."""
+    reachable: tuple[int, ...]
+    """Positions where a camera can stand; two or more."""
+    rig: str
+    """What the positions are of."""
+    scans: BoxScans
+    """All its scans."""
+
+
+def drawn_box(rng: np.random.Generator) -> DrawnBox | None:
+    """Draw a box, a camera and positions; None where fewer than two positions can be reached."""
     camera = sensor(str(rng.choice(list(CAMERAS), p=list(CAMERAS.values()))))
     box = random_box(rng, SceneRanges(extent=_SIDES, yaw_deg=(0.0, 360.0)))
     stations = _rig(rng)
     target = Target(box.box_to_camera, box.extents)
     cameras = poses(stations, target, elevation=float(_ELEVATION), distance=_DISTANCE)
     limits = replace(stations, min_distance=max(stations.min_distance, camera.range_min))
-    reachable = [reason is None for reason in refusals(limits, cameras, target)]
-    if sum(reachable) < 2:
+    reachable = tuple(view for view, reason in enumerate(refusals(limits, cameras, target)) if reason is None)
+    if len(reachable) < 2:
         return None
     seed = int(rng.integers(2**31))
     error = draw_range_error(camera, rng=rng)
     scans = BoxScans(
         box=box, rig=stations, sensor=camera, seed=seed, elevation=float(_ELEVATION), distance=_DISTANCE, error=error
     )
-    measured = {view: _measured(scans, view) for view in np.flatnonzero(reachable).tolist()}
+    return DrawnBox(box, camera, cameras, reachable, stations.name, scans)
+
+
+def stream_of(number: int) -> np.random.Generator:
+    """Return what everything about a box is drawn from, :func:`drawn_box` first."""
+    return np.random.default_rng([*_STREAM, number])
+
+
+def measured_box(number: int) -> MeasuredBox | None:
+    """Measure a box; None where fewer than two positions can be reached."""
+    rng = stream_of(number)
+    drawn = drawn_box(rng)
+    if drawn is None:
+        return None
+    box, scans = drawn.box, drawn.scans
+    measured = {view: _measured(scans, view) for view in drawn.reachable}
     alone = {view: _error([found], box) for view, found in measured.items()}
     pairs = []
     for _ in range(PAIRS):
@@ -98,7 +132,7 @@ def measured_box(number: int) -> MeasuredBox | None:
     if number % STAYING == 0:
         present = pairs[0][0]
         pairs.append((present, present, _error([measured[present], _measured(scans, present, 1)], box)))
-    return MeasuredBox(camera.name, box, cameras, alone, tuple(pairs))
+    return MeasuredBox(number, drawn.camera.name, box, drawn.stations, alone, tuple(pairs))
 
 
 def _rig(rng: np.random.Generator) -> Rig:
@@ -140,7 +174,7 @@ def _to_dict(found: MeasuredBox | None) -> dict[str, object]:
     }
 
 
-def _from_dict(content: dict[str, object]) -> MeasuredBox | None:
+def _from_dict(number: int, content: dict[str, object]) -> MeasuredBox | None:
     if not content:
         return None
     read = {name: np.array(content[name], dtype=float) for name in ("box_to_world", "extents", "stations", "pairs")}
@@ -150,7 +184,12 @@ def _from_dict(content: dict[str, object]) -> MeasuredBox | None:
     box = Box(read["box_to_world"], read["extents"])
     errors = {int(view): _or_nan(error) for view, error in alone.items()}
     return MeasuredBox(
-        str(content["camera"]), box, read["stations"], errors, tuple((one, two, _or_nan(error)) for one, two, error in pairs)
+        number,
+        str(content["camera"]),
+        box,
+        read["stations"],
+        errors,
+        tuple((one, two, _or_nan(error)) for one, two, error in pairs),
     )
 
 
