@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from tests.box.cases import boxes
-from viewgain.box import FACES, Box, border_share, constraints, edges_shown, incidence
+from viewgain.box import FACES, Box, border_share, clearance, constraints, edges_shown, incidence
 from viewgain.camera import Intrinsics
 from viewgain.geometry import inverse
 from viewgain.scenes import orbit_pose, standing_box
@@ -131,3 +131,18 @@ def test_shares_and_angles_are_within_their_bounds_and_opposite_faces_never_both
     assert np.all(seen.incidence[facing] < np.pi / 2)
     assert not (facing[0] and facing[1])
     assert not (facing[2] and facing[3])
+
+
+@given(u=st.floats(-500, 500), v=st.floats(-500, 500))
+def test_clearance_is_the_way_to_the_nearest_border_and_negative_beyond_it(u: float, v: float) -> None:
+    """Pixel centres are whole numbers, so the border of the image lies half a pixel beyond the outermost ones."""
+    width, height = SIZE
+    found = float(clearance(np.array([[u, v]]), SIZE)[0])
+    inside = -0.5 < u < width - 0.5 and -0.5 < v < height - 0.5
+    assert (found > 0) == inside
+    if inside:  # a step of that length towards the nearest border ends on it
+        steps = [(-found, 0), (found, 0), (0, -found), (0, found)]
+        ends = [clearance(np.array([[u + du, v + dv]]), SIZE)[0] for du, dv in steps]
+        assert min(ends) == pytest.approx(0, abs=1e-9)
+    mirrored = clearance(np.array([[width - 1 - u, v], [u, height - 1 - v]]), SIZE)
+    assert mirrored == pytest.approx(found, abs=1e-9)

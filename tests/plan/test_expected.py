@@ -26,6 +26,7 @@ from viewgain.plan import (
     trust,
     weighted,
 )
+from viewgain.plan._showing import FARTHEST
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
 
@@ -143,6 +144,16 @@ def test_spanned_axes_are_those_whose_ends_can_be_seen() -> None:
     assert seen.spanned[2]
 
 
+def test_the_clearance_is_that_of_the_outermost_corner() -> None:
+    inside = [showing(BOX, view(0.4, distance=distance), CAMERA, 1.0) for distance in (0.35, 0.5, 1.2, 2.4)]
+    assert [seen.clearance for seen in inside] == sorted({seen.clearance for seen in inside})
+    for seen in inside:
+        assert (seen.clearance > 0.5 / CAMERA.intrinsics.fx) == (seen.corners == 1)
+    assert inside[0].clearance < 0 < inside[-1].clearance
+    away = showing(BOX, look_at(np.array([1.0, 1.0, 1.0]), np.array([5.0, 5.0, 1.0]), UP), CAMERA, 1.0)
+    assert (away.clearance, away.corners) == (-FARTHEST, 0)
+
+
 def test_the_policy_ranks_by_the_box_that_was_measured_and_decides_there_alone() -> None:
     present = view(0.5)
     scan = capture(Scene((BOX,)), present, CAMERA, rng=np.random.default_rng(0)).posed(present)
@@ -156,12 +167,12 @@ def test_the_policy_ranks_by_the_box_that_was_measured_and_decides_there_alone()
     assert scores[[0, 2]] == pytest.approx(truth[[0, 2]], abs=0.02)
     assert scores[1] == pytest.approx(truth[1], abs=0.1)  # where the box just leaves the image, a millimetre decides
     combined = CombinedPolicy(policy, FarthestPolicy())
-    assert combined.scores(seen) == pytest.approx(scores)
+    assert combined.scores(seen) == pytest.approx(0.75 * scores + 0.25 * FarthestPolicy().scores(seen))
     blind = Seen((), present[None], candidates, (0,), CAMERA.intrinsics)
     assert combined.scores(blind) == pytest.approx(FarthestPolicy().scores(seen))
 
 
-def test_where_a_dimension_is_open_the_network_has_half_a_say() -> None:
+def test_the_network_has_a_quarter_of_the_say_where_a_box_was_measured_and_all_of_it_elsewhere() -> None:
     """A front whose depth nobody sees: the weights are those of what is believed."""
     box = standing_box(np.array([0.32, 0.26, 0.3]))
     present = orbit_pose(box.centre, 0.0, np.deg2rad(4), 1.1)
@@ -173,10 +184,9 @@ def test_where_a_dimension_is_open_the_network_has_half_a_say() -> None:
     belief = policy.belief(known)
     assert belief is not None
     assert not belief.bounded
-    assert trust(belief) == 0.5
+    assert trust(belief) == trust(replace(belief, bounded=True)) == 0.75
     assert trust(replace(belief, guessed=True)) == trust(None) == 0.0
-    assert trust(replace(belief, bounded=True)) == 1.0
-    mean = (policy.scores(seen) + FarthestPolicy().scores(seen)) / 2
+    mean = (3 * policy.scores(seen) + FarthestPolicy().scores(seen)) / 4
     assert CombinedPolicy(policy, FarthestPolicy()).scores(seen) == pytest.approx(mean)
 
 

@@ -12,6 +12,7 @@ from viewgain.box._box import adjoint as adjoint
 from viewgain.box._constraints import BORDER_PX as BORDER_PX
 from viewgain.box._constraints import Constraints as Constraints
 from viewgain.box._constraints import border_share as border_share
+from viewgain.box._constraints import clearance as clearance
 from viewgain.box._constraints import constraints as constraints
 from viewgain.box._constraints import edges_shown as edges_shown
 from viewgain.box._constraints import incidence as incidence

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Indices, Mask, Points2
+from viewgain.arrays import Array, Indices, Points2
 from viewgain.box._box import CORNERS, FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
 from viewgain.box._silhouette import NEAR, following, outline
 from viewgain.geometry import transform
@@ -82,7 +82,8 @@ def border_share(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[
         return 1.0
     start = outline(box).vertices
     side = following(start) - start
-    outside = _outside(to_pixels((start[:, None] + _FROM_VERTEX[:, None] * side[:, None]).reshape(-1, 2)), size, margin)
+    along = to_pixels((start[:, None] + _FROM_VERTEX[:, None] * side[:, None]).reshape(-1, 2))
+    outside = clearance(along, size) < margin
     length = np.repeat(np.linalg.norm(side, axis=1), _PER_EDGE)
     return float(length[outside].sum() / max(length.sum(), 1e-12))
 
@@ -98,14 +99,13 @@ def edges_shown(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[i
     in_front = (corners[start, 2] > NEAR) & (corners[end, 2] > NEAR)
     image = corners[:, :2] / np.maximum(corners[:, 2:], NEAR)
     line = image[start, None] + _END_TO_END[:, None] * (image[end] - image[start])[:, None]  # (8, 32, 2)
-    outside = _outside(to_pixels(line.reshape(-1, 2)), size, margin).reshape(len(_EDGES), _PER_EDGE)
+    outside = (clearance(to_pixels(line.reshape(-1, 2)), size) < margin).reshape(len(_EDGES), _PER_EDGE)
     shown = np.zeros((FLOOR, FLOOR))
     shown[one, other] = shown[other, one] = np.where(in_front, 1 - outside.mean(axis=1), 0.0)
     return shown
 
 
-def _outside(pixels: Points2, size: tuple[int, int], margin: float) -> Mask:
-    """Return which (n, 2) pixel coordinates lie on the border of the image or beyond it."""
+def clearance(pixels: Points2, size: tuple[int, int]) -> Array:
+    """Return how far (n, 2) pixel coordinates lie inside the border of a (width, height) image, pixels; negative beyond it."""
     u, v = pixels.T
-    low, high = margin - 0.5, np.array(size) - 0.5 - margin
-    return np.asarray((u < low) | (v < low) | (u > high[0]) | (v > high[1]))
+    return np.asarray(np.min([u + 0.5, v + 0.5, size[0] - 0.5 - u, size[1] - 0.5 - v], axis=0))

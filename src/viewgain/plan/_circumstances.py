@@ -11,14 +11,16 @@ from viewgain.measure import MAX_SLENDER, Knowledge
 from viewgain.plan._belief import relative_sigma
 from viewgain.plan._showing import Showing
 
-CIRCUMSTANCES = 36
+CIRCUMSTANCES = 39
 """How many numbers."""
 _SIGMA = (1e-4, 10.0)
 """Relative standard deviations are told within these."""
+_LEAST_SHARE = 0.01
+"""Less floor in view is told as this share."""
 
 
 def circumstances(box: Box, known: Knowledge, seen: Sequence[Showing], sensor: Sensor) -> Vector:
-    """Return (36,) numbers about measuring a box from one view or several together.
+    """Return (39,) numbers about measuring a box from one view or several together.
 
     They do not depend on frames, nor on which side of the box is called x: its longer horizontal side comes first.
 
@@ -47,6 +49,7 @@ def circumstances(box: Box, known: Knowledge, seen: Sequence[Showing], sensor: S
         np.log([min(distances), max(distances)]), [min(elevations), max(elevations)],
         [len(seen) - 1, np.log(extents[2] / extents[0] / MAX_SLENDER)],
         np.log([sensor.intrinsics.fx, float(sensor.range_sigma(nearest, np.ones(1))[0])]),
+        _floor(seen), [max(view.clearance for view in seen)],
     ])  # fmt: skip
 
 
@@ -56,3 +59,9 @@ def _returns(returns: Array, order: Array) -> Vector:
     across = faces[:4].reshape(2, 2)[order[:2]]
     numbers = [returns.sum(axis=1).max(), faces[4], *across.max(axis=1), *across.min(axis=1)]
     return np.asarray(np.log(np.maximum(numbers, 1.0)))
+
+
+def _floor(seen: Sequence[Showing]) -> Vector:
+    """Return (2,) how much floor the views show at most: logarithms of the returns from it, and of its share of the area."""
+    returns, share = (max(getattr(view.floor, name) for view in seen) for name in ("returns", "share"))
+    return np.log([max(returns, 1.0), max(share, _LEAST_SHARE)])

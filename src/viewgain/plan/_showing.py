@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from viewgain.arrays import Array, Mask, Pose
-from viewgain.box import FACES, Box, edges_shown
+from viewgain.box import FACES, Box, clearance, edges_shown
 from viewgain.camera import Sensor
 from viewgain.geometry import inverse
 from viewgain.measure import MIN_EDGE_SHOWN, SPANNING, SPANNING_POINTS, Knowledge
+from viewgain.plan._floor_in_view import FloorInView, floor_in_view
 from viewgain.plan._predict import MIN_FACE_PIXELS, Prediction, predict, to_pixels
 
 _ENDS = ((0, 1), (2, 3), (4, 4))
@@ -16,6 +17,8 @@ _ENDS = ((0, 1), (2, 3), (4, 4))
 _BY_RETURNS = 0.5
 """How well an end counts as shown by a face with ``SPANNING_POINTS`` returns; an edge in full view counts as 1."""
 _NEAR = 0.05
+FARTHEST = 0.3
+"""Farther than this from the image border is all the same, radians or so."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,10 +37,15 @@ class Showing:
     """(3, 2) how well both ends of each axis can be seen, 0 to 1: by the edges there that lie in the image, or by the face."""
     corners: float
     """Share of the box's corners that project into the image."""
+    clearance: float
+    """How far inside the image border the outermost corner lies, over the focal length, so about radians; negative beyond it, and
+    at most ``FARTHEST`` either way."""
     distance: float
     """From the camera to the box's centre, metres."""
     elevation: float
     """Of the camera above the horizon of the box's centre, radians."""
+    floor: FloorInView
+    """What the image shows of the floor."""
 
     @property
     def cut(self) -> bool:
@@ -48,19 +56,21 @@ class Showing:
 def showing(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> Showing:
     """Return what ``sensor`` at a pose would show of ``box``; arguments as :func:`viewgain.plan.predict`."""
     predicted = predict(box, camera_to_current, sensor, noise)
-    returns, edges, corners = _returns(predicted), np.zeros((len(FACES), len(FACES))), 0.0
+    returns, edges = _returns(predicted), np.zeros((len(FACES), len(FACES)))
+    corners, outermost = 0.0, -FARTHEST
     seen, camera = box.in_frame(inverse(camera_to_current)), sensor.intrinsics
     if predicted.sights:
         size = (camera.width, camera.height)
         edges = edges_shown(seen, to_pixels(camera), size)
-        pixels = camera.project(seen.corners())
-        corners = float(np.mean(((pixels >= 0) & (pixels <= np.array(size) - 1)).all(axis=1)))
+        inside = clearance(camera.project(seen.corners()), size)
+        corners = float(np.mean(inside >= 0.5))
+        outermost = float(np.clip(inside.min() / camera.fx, -FARTHEST, FARTHEST))
     sight = camera_to_current[:3, 3] - box.centre
     distance = max(float(np.linalg.norm(sight)), _NEAR)
     upward = float(np.clip(box.box_to_camera[:3, 2] @ sight / distance, -1.0, 1.0))
     return Showing(
         predicted.knowledge, _spanned(returns, edges), predicted.border, returns, _ends_shown(returns, edges), corners,
-        distance, float(np.arcsin(upward)),
+        outermost, distance, float(np.arcsin(upward)), floor_in_view(seen, sensor),
     )  # fmt: skip
 
 
