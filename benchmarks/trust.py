@@ -23,7 +23,7 @@ from viewgain.geometry import inverse
 from viewgain.inference import VOLUME_MODEL, PoseScorer
 from viewgain.measure import measure
 from viewgain.plan import Belief, ErrorModel, believe, circumstances, physical_outcome, showing
-from viewgain.plan._volume_network import MEASURED, NOTHING_MEASURED
+from viewgain.plan._volume_network import ALONE, NOTHING_MEASURED
 
 WEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Of the model."""
@@ -32,7 +32,7 @@ SPARE = 7
 _PRESENT = 0x7072
 STATES = ("every dimension bounded", "one or more open", "not a box, guessed")
 """What measuring the present scan left."""
-SHIPPED = dict(zip(STATES, (MEASURED, MEASURED, NOTHING_MEASURED), strict=True))
+SHIPPED = dict(zip(STATES, (*ALONE, NOTHING_MEASURED), strict=True))
 _WORDS = """One scan of each position was measured, a miss counts as 100 %. Mean outcome, %, at the position that a weight of the
 model names (0: the network alone), and the difference to the weight that is shipped with its 95 % interval, boxes drawn anew. The
 learned part of the model was fitted to the other half of the boxes."""

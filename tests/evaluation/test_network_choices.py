@@ -11,8 +11,9 @@ from tests.oracles.networks_on_disk import exported, small_settings
 from viewgain.errors import ConfigError, ModelError
 from viewgain.evaluation import VolumeSettings, choice, run_boxes, volume_case
 from viewgain.evaluation._choice import seen_of
-from viewgain.evaluation._volume_choices import StationNetworkPolicy
+from viewgain.evaluation._volume_choices import StationNetworkPolicy, policy_of
 from viewgain.inference import Scorer
+from viewgain.plan import CombinedPolicy, ExpectedErrorPolicy
 
 SETTINGS = VolumeSettings(seed=2, captures=2, estimator="lines_published", side=(0.2, 0.5))
 CASE = volume_case(SETTINGS, 0)
@@ -52,6 +53,16 @@ def test_without_a_scan_it_has_no_opinion_and_is_not_asked() -> None:
     scores = StationNetworkPolicy(scorer).scores(replace(seen_of(CASE), scans=()))  # type: ignore[arg-type]
     assert np.isnan(scores).all()
     assert (scores.shape, scorer.got) == ((4,), [])
+
+
+@pytest.mark.parametrize("fused", [False, True])
+def test_model_and_network_are_weighted_for_what_is_asked(*, fused: bool) -> None:
+    """Of a scan alone, or of it and the present one."""
+    settings = VolumeSettings(seed=2, captures=2, side=(0.2, 0.5), fused=fused)
+    policy = policy_of("combined:pose_scores-irregular4-camera", volume_case(settings, 0))
+    assert isinstance(policy, CombinedPolicy)
+    assert policy.fused == fused
+    assert policy.model.policy == ExpectedErrorPolicy(fused=fused)
 
 
 @pytest.mark.slow

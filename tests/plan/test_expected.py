@@ -166,13 +166,13 @@ def test_the_policy_ranks_by_the_box_that_was_measured_and_decides_there_alone()
     assert truth[0] > truth[1] > truth[2] + 0.5
     assert scores[[0, 2]] == pytest.approx(truth[[0, 2]], abs=0.02)
     assert scores[1] == pytest.approx(truth[1], abs=0.1)  # where the box just leaves the image, a millimetre decides
-    combined = CombinedPolicy(policy, FarthestPolicy())
+    combined = CombinedPolicy(policy, FarthestPolicy(), fused=False)
     assert combined.scores(seen) == pytest.approx(0.75 * scores + 0.25 * FarthestPolicy().scores(seen))
     blind = Seen((), present[None], candidates, (0,), CAMERA.intrinsics)
     assert combined.scores(blind) == pytest.approx(FarthestPolicy().scores(seen))
 
 
-def test_the_network_has_a_quarter_of_the_say_where_a_box_was_measured_and_all_of_it_elsewhere() -> None:
+def test_the_less_is_measured_the_more_the_network_has_to_say() -> None:
     """A front whose depth nobody sees: the weights are those of what is believed."""
     box = standing_box(np.array([0.32, 0.26, 0.3]))
     present = orbit_pose(box.centre, 0.0, np.deg2rad(4), 1.1)
@@ -184,10 +184,12 @@ def test_the_network_has_a_quarter_of_the_say_where_a_box_was_measured_and_all_o
     belief = policy.belief(known)
     assert belief is not None
     assert not belief.bounded
-    assert trust(belief) == trust(replace(belief, bounded=True)) == 0.75
-    assert trust(replace(belief, guessed=True)) == trust(None) == 0.0
-    mean = (3 * policy.scores(seen) + FarthestPolicy().scores(seen)) / 4
-    assert CombinedPolicy(policy, FarthestPolicy()).scores(seen) == pytest.approx(mean)
+    bounded, guessed = replace(belief, bounded=True), replace(belief, guessed=True)
+    assert [trust(each, fused=True) for each in (bounded, belief, guessed, None)] == [1.0, 0.5, 0.0, 0.0]
+    assert [trust(each, fused=False) for each in (bounded, belief, guessed, None)] == [0.75, 0.75, 0.0, 0.0]
+    model, network = policy.scores(seen), FarthestPolicy().scores(seen)
+    assert CombinedPolicy(policy, FarthestPolicy()).scores(seen) == pytest.approx((model + network) / 2)
+    assert CombinedPolicy(policy, FarthestPolicy(), fused=False).scores(seen) == pytest.approx((3 * model + network) / 4)
 
 
 @given(st.lists(st.tuples(*[st.floats(-1, 1) | st.just(np.nan)] * 2), min_size=1, max_size=6), st.floats(0, 1))

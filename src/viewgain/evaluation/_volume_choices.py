@@ -80,7 +80,9 @@ def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
     if name in DECIDING:
         return DECIDING[name](case)
     network = network_of(name, case.settings)
-    return CombinedPolicy(_expected(case), network) if name.startswith("combined:") else network
+    if not name.startswith("combined:"):
+        return network
+    return CombinedPolicy(_expected(case), network, fused=case.settings.fused)
 
 
 def _expected(case: DecisionCase) -> OnBelief:

@@ -31,7 +31,7 @@ def opinions_of(case: VolumeCase) -> Opinions:
     seen = model.measuring(seen_of(case))
     belief = model.belief(seen)
     by_network = VolumeNetworkPolicy(_network(ASKED[fused])).scores(seen)
-    return Opinions(1 - model.scores(seen), -by_network, trust(belief), np.asarray(case.reachable))
+    return Opinions(1 - model.scores(seen), -by_network, trust(belief, fused=fused), np.asarray(case.reachable))
 
 
 @lru_cache(maxsize=2)

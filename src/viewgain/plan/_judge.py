@@ -47,7 +47,7 @@ class VolumeJudge:
         by_model = ExpectedErrorPolicy(pose_sigma=self.pose_sigma).assess(belief, candidates, NEARLY)
         by_network = volume_scorer().assessed(self.scan.points, candidates).scores
         model = np.array([1 - each.score for each in by_model])
-        opinions = Opinions(model, -by_network, trust(belief), np.asarray(reachable, dtype=bool))
+        opinions = Opinions(model, -by_network, trust(belief, fused=True), np.asarray(reachable, dtype=bool))
         return shipped_confidence().chance(decision_numbers(opinions, chosen))
 
     def abstention(self, chance: float, chosen: int) -> str | None:

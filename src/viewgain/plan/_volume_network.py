@@ -15,8 +15,11 @@ from viewgain.plan._policy import Assessment
 from viewgain.plan._views import Seen, ViewPolicy
 from viewgain.scans import Scan
 
-MEASURED, NOTHING_MEASURED = 0.75, 0.0
-"""Weights of the model where a box was measured, and where none could be: ``python -m benchmarks trust``."""
+ALONE, FUSED = (0.75, 0.75), (1.0, 0.5)
+"""Weights of the model where every dimension is bounded, and where one is open: of what a candidate's scan says alone
+(``python -m benchmarks trust``), and of what it says together with the present one."""
+NOTHING_MEASURED = 0.0
+"""Its weight where no box could be measured."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,15 +41,21 @@ class VolumeNetworkPolicy:
         return self.scorer.assessed(seen.scans[-1].points, inverse(here) @ seen.candidates).scores
 
 
-def trust(belief: Belief | None) -> float:
+def trust(belief: Belief | None, *, fused: bool) -> float:
     """Return the weight of the model beside a network: most of it where a box was measured, none where it is guessed or missing.
 
-    The model is exact about a box that it knows. Of what may stand behind a scan, and of misses that no model tells, the network
-    has seen more; where nothing could be measured it alone knows something. Chosen on boxes that no table uses.
+    The model is exact about a box that it knows. Of what may stand behind a scan, and of scans without a volume, the network has
+    seen more; where nothing could be measured it alone knows something. Together with a scan that bounds the box no candidate is
+    without a volume, and they differ by less than the network can tell. Chosen on boxes that no table uses.
+
+    Args:
+        belief: What is believed about the box, if anything is.
+        fused: Whether a candidate is worth what its scan and the present one say together, rather than its scan alone.
     """
     if belief is None or belief.guessed:
         return NOTHING_MEASURED
-    return MEASURED
+    bounded, still_open = FUSED if fused else ALONE
+    return bounded if belief.bounded else still_open
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,12 +69,15 @@ class CombinedPolicy:
     """The model-based policy."""
     network: ViewPolicy
     """The network."""
+    fused: bool = True
+    """Whether both say what a candidate is worth together with the present scan, rather than alone."""
     name: str = "combined"
 
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) weighted means; where one of the two has no opinion the other's, NaN where neither has."""
         known = self.model.measuring(seen)
-        return weighted(self.model.scores(known), self.network.scores(known), trust(self.model.belief(known)))
+        weight = trust(self.model.belief(known), fused=self.fused)
+        return weighted(self.model.scores(known), self.network.scores(known), weight)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +105,7 @@ class VolumeNetworkAboutBox:
         scores = 1 + said.scores
         if self.model is not None:  # how sure both together are, the network alone cannot say
             by_model = np.array([each.score for each in self.model.assess(belief, candidates, tolerance)])
-            both = weighted(by_model, scores, trust(belief))
+            both = weighted(by_model, scores, trust(belief, fused=self.model.fused))
             return tuple(Assessment(float(score), None, None) for score in both)
         sigmas = [None] * len(scores) if said.sigma is None else said.sigma.tolist()
         return tuple(Assessment(score, None, None, sigma) for score, sigma in zip(scores.tolist(), sigmas, strict=True))
