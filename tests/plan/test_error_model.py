@@ -87,6 +87,18 @@ def test_the_shipped_one_fits_the_circumstances() -> None:
     assert np.all(shipped.scale > 0)
 
 
+def test_of_two_views_the_one_counts_that_shows_more_floor_and_the_one_that_the_box_fits_better() -> None:
+    box, camera = standing_box(np.array([0.6, 0.4, 0.3])), sensor("pico_flexx")
+    near, far = (showing(box, orbit_pose(box.centre, 0.5, 0.6, distance), camera, 1.0) for distance in (0.8, 1.6))
+    assert near.floor.share < far.floor.share
+    assert near.clearance < far.clearance
+    known = near.knowledge.plus(far.knowledge)
+    both, alone = circumstances(box, known, (near, far), camera)[-3:], circumstances(box, known, (far,), camera)[-3:]
+    returns = np.log(max(near.floor.returns, far.floor.returns))
+    assert both == pytest.approx([returns, np.log(far.floor.share), far.clearance])
+    assert both[1:] == pytest.approx(alone[1:])
+
+
 def test_a_broken_file_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     for content in ("", "{}", '{"mean": [1], "scale": [1], "layers": [3]}', '{"mean": [1], "scale": [1], "layers": []}'):
         file = tmp_path / "model.json"

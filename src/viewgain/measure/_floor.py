@@ -16,13 +16,15 @@ _NORMAL_GATE = np.cos(np.deg2rad(15.0))
 _MAX_BELOW = 0.05
 _MIN_SUPPORT = 0.05
 _WIDE, _NARROW = (0.03, 0.015, 0.01), (0.015, 0.01, 0.007)
-"""How near points have to lie to take part in the next fit; these and the next, metres at half a metre, more farther off."""
+"""How near points have to lie to take part in each fit, metres at half a metre, more farther off."""
 _CLOSE, _BENEATH = 0.004, 0.02
+"""What lies so near counts as on a plane, and what lies so far under it as beneath; metres as above."""
 _CLEARLY = 1.1
 """How much more has to lie close to a rival."""
 _RIVALS, _RIVAL_SCORE = 11, 0.5
 """How many are tried, and the share of the best score that they need."""
 _ALIKE, _ALIKE_M, _SAME_WAY = np.cos(np.deg2rad(0.8)), 0.015, np.cos(np.deg2rad(10.0))
+"""Hypotheses are alike within both of the first, and lean the same way within the last; cosines and metres."""
 
 
 @dataclass(frozen=True, slots=True)
