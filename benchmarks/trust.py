@@ -14,15 +14,13 @@ from benchmarks._error_fit import fitted, runs_of
 from benchmarks._measured_boxes import DrawnBox, MeasuredBox, drawn_box, measured_boxes, outcome, stream_of
 from benchmarks._tables import bootstrap, markdown
 from benchmarks.error_model import BOXES
-from viewgain.arrays import Array, Vector
-from viewgain.box import Box
-from viewgain.camera import Sensor
+from viewgain.arrays import Vector
 from viewgain.evaluation._volume_confidence import ASKED
 from viewgain.gain import believed_scan
 from viewgain.geometry import inverse
 from viewgain.inference import VOLUME_MODEL, PoseScorer
 from viewgain.measure import measure
-from viewgain.plan import Belief, ErrorModel, believe, circumstances, physical_outcome, showing
+from viewgain.plan import Belief, ErrorModel, believe, expected_error
 from viewgain.plan._volume_network import ALONE, NOTHING_MEASURED
 
 WEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -30,9 +28,11 @@ WEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 SPARE = 7
 """Number of the scan to decide by: none of those that were measured."""
 _PRESENT = 0x7072
+"""Stream of present positions."""
 STATES = ("every dimension bounded", "one or more open", "not a box, guessed")
 """What measuring the present scan left."""
 SHIPPED = dict(zip(STATES, (*ALONE, NOTHING_MEASURED), strict=True))
+"""Weight of the model in each, as the package has it."""
 _WORDS = """One scan of each position was measured, a miss counts as 100 %. Mean outcome, %, at the position that a weight of the
 model names (0: the network alone), and the difference to the weight that is shipped with its 95 % interval, boxes drawn anew. The
 learned part of the model was fitted to the other half of the boxes."""
@@ -61,13 +61,9 @@ class Asked:
 def run(options: argparse.Namespace) -> None:
     """Print the table."""
     boxes = list(measured_boxes(options.scenes or BOXES, options.kept, options.workers))
-    half = np.array([measured.number % 2 for measured in boxes])
-    models = []
-    for own in (0, 1):
-        runs = runs_of([measured for measured, part in zip(boxes, half, strict=True) if part != own])
-        models.append(fitted(runs))
+    other_half = [fitted(runs_of([each for each in boxes if each.number % 2 != half])) for half in (0, 1)]
     scorers = {name: PoseScorer.load(name) for name in (ASKED[False], VOLUME_MODEL)}
-    asked = [each for measured, own in zip(boxes, half, strict=True) for each in _asked(measured, models[own], scorers)]
+    asked = [each for measured in boxes for each in _asked(measured, other_half[measured.number % 2], scorers)]
     print("## Weights of model and network\n")
     print(f"{len(boxes)} boxes. {_WORDS}\n")
     header = ("what is known", "network", "boxes", *(f"{weight:g}" for weight in WEIGHTS), "best run", "any position")
@@ -93,20 +89,11 @@ def _asked(measured: MeasuredBox, model: ErrorModel, scorers: dict[str, PoseScor
     if belief is None:
         return
     candidates = inverse(scan.camera_to_world) @ drawn.stations[views]
-    expected = np.array([[_expected(box, candidate, drawn.camera, belief.noise, model) for candidate in candidates]
+    expected = np.array([[expected_error(box, candidate, drawn.camera, belief.noise, model) for candidate in candidates]
                          for box in belief.boxes]).mean(axis=0)  # fmt: skip
     found = np.array([outcome(measured.alone[view]) for view in views.tolist()])
     for name in _knowing(drawn, scorers):
         yield Asked(_state(belief), name, found, expected, -scorers[name].assessed(scan.points, candidates).scores)
-
-
-def _expected(box: Box, candidate: Array, camera: Sensor, noise: float, model: ErrorModel) -> float:
-    """Return what :func:`viewgain.plan.expected_error` would, by another learned part."""
-    seen = showing(box, candidate, camera, noise)
-    if not seen.returns.any():
-        return 1.0
-    guess = physical_outcome(box, seen.knowledge, (seen,), camera)
-    return model.corrected(guess, circumstances(box, seen.knowledge, (seen,), camera)).expected
 
 
 def _knowing(drawn: DrawnBox, scorers: dict[str, PoseScorer]) -> list[str]:

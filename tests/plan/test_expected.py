@@ -166,7 +166,7 @@ def test_the_policy_ranks_by_the_box_that_was_measured_and_decides_there_alone()
     assert truth[0] > truth[1] > truth[2] + 0.5
     assert scores[[0, 2]] == pytest.approx(truth[[0, 2]], abs=0.02)
     assert scores[1] == pytest.approx(truth[1], abs=0.1)  # where the box just leaves the image, a millimetre decides
-    combined = CombinedPolicy(policy, FarthestPolicy(), fused=False)
+    combined = CombinedPolicy(policy, FarthestPolicy())
     assert combined.scores(seen) == pytest.approx(0.75 * scores + 0.25 * FarthestPolicy().scores(seen))
     blind = Seen((), present[None], candidates, (0,), CAMERA.intrinsics)
     assert combined.scores(blind) == pytest.approx(FarthestPolicy().scores(seen))
@@ -187,9 +187,11 @@ def test_the_less_is_measured_the_more_the_network_has_to_say() -> None:
     bounded, guessed = replace(belief, bounded=True), replace(belief, guessed=True)
     assert [trust(each, fused=True) for each in (bounded, belief, guessed, None)] == [1.0, 0.5, 0.0, 0.0]
     assert [trust(each, fused=False) for each in (bounded, belief, guessed, None)] == [0.75, 0.75, 0.0, 0.0]
-    model, network = policy.scores(seen), FarthestPolicy().scores(seen)
-    assert CombinedPolicy(policy, FarthestPolicy()).scores(seen) == pytest.approx((model + network) / 2)
-    assert CombinedPolicy(policy, FarthestPolicy(), fused=False).scores(seen) == pytest.approx((3 * model + network) / 4)
+    network, alone = FarthestPolicy(), OnBelief(ExpectedErrorPolicy(fused=False), CAMERA)
+    half = (policy.scores(seen) + network.scores(seen)) / 2
+    assert CombinedPolicy(policy, network).scores(seen) == pytest.approx(half)
+    quarter = (3 * alone.scores(seen) + network.scores(seen)) / 4
+    assert CombinedPolicy(alone, network).scores(seen) == pytest.approx(quarter)
 
 
 @given(st.lists(st.tuples(*[st.floats(-1, 1) | st.just(np.nan)] * 2), min_size=1, max_size=6), st.floats(0, 1))

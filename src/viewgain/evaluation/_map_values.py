@@ -14,7 +14,6 @@ from viewgain.plan import (
     Seen,
     ViewPolicy,
     VolumeNetworkPolicy,
-    trust,
     weighted,
 )
 
@@ -39,8 +38,7 @@ def valued(policy: ViewPolicy, seen: Seen) -> Valued:
         known = policy.model.measuring(seen)
         one, two = valued(policy.model, known), valued(policy.network, known)
         if one.meaning == two.meaning:  # policies of one unit up to a constant, which is gone here
-            weight = trust(policy.model.belief(known), fused=policy.fused)
-            return Valued(weighted(one.values, two.values, weight), one.meaning)
+            return Valued(weighted(one.values, two.values, policy.trust(known)), one.meaning)
     scores = policy.scores(seen)
     asked = policy.policy if isinstance(policy, OnBelief) else policy
     if isinstance(asked, ExpectedErrorPolicy):

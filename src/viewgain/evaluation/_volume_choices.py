@@ -80,12 +80,10 @@ def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
     if name in DECIDING:
         return DECIDING[name](case)
     network = network_of(name, case.settings)
-    if not name.startswith("combined:"):
-        return network
-    return CombinedPolicy(_expected(case), network, fused=case.settings.fused)
+    return CombinedPolicy(_expected(case), network) if name.startswith("combined:") else network
 
 
-def _expected(case: DecisionCase) -> OnBelief:
+def _expected(case: DecisionCase) -> OnBelief[ExpectedErrorPolicy]:
     return OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera)
 
 

@@ -1,6 +1,7 @@
 """The two kinds of policy in each other's place: a general one where a box is planned for, one about a box in any episode."""
 
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from viewgain.plan._belief import Belief
 from viewgain.plan._policy import Assessment, Policy
 from viewgain.plan._views import Seen, ViewPolicy, visited_among
 from viewgain.scans import Scan
+
+PolicyT = TypeVar("PolicyT", bound=Policy)
+"""Which policy about a box."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,13 +52,13 @@ class OnScans:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OnBelief:
+class OnBelief(Generic[PolicyT]):
     """A policy about a box as a general one: it measures the scans so far and asks the policy what it believes.
 
     It measures all scans anew at every question, but where it is told what they say together.
     """
 
-    policy: Policy
+    policy: PolicyT
     """Who decides."""
     sensor: Sensor
     """The camera."""

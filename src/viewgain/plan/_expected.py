@@ -17,7 +17,7 @@ from viewgain.geometry import inverse
 from viewgain.measure import MAX_SLENDER, OPEN_SHARE, POSE_SIGMA, Knowledge, marginal, pose_precision
 from viewgain.plan._belief import Belief, relative_sigma
 from viewgain.plan._circumstances import circumstances
-from viewgain.plan._error_model import Outcome, shipped_error_model
+from viewgain.plan._error_model import ErrorModel, Outcome, shipped_error_model
 from viewgain.plan._policy import Assessment
 from viewgain.plan._showing import Showing, showing
 
@@ -35,7 +35,9 @@ OPEN_POWER = 3.0
 """Power of the odds that a dimension stays open: of its relative standard deviation over the share that counts as open."""
 
 
-def expected_error(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float = 1.0) -> float:
+def expected_error(
+    box: Box, camera_to_current: Pose, sensor: Sensor, noise: float = 1.0, learned: ErrorModel | None = None
+) -> float:
     """Return the expected |relative volume error| of one scan of a box, 0 to 1; a scan without an estimate counts as 1.
 
     Args:
@@ -43,9 +45,10 @@ def expected_error(box: Box, camera_to_current: Pose, sensor: Sensor, noise: flo
         camera_to_current: (4, 4) pose of the scan in that frame.
         sensor: The camera.
         noise: Its noise on this scene as a multiple of the data sheet's.
+        learned: The learned part; None for the one that comes with the package.
     """
     seen = showing(box, camera_to_current, sensor, noise)
-    return of_shown(box, seen.knowledge, (seen,), sensor)
+    return of_shown(box, seen.knowledge, (seen,), sensor, learned)
 
 
 def fused_expected_error(
@@ -86,15 +89,15 @@ def fused_showing(
     return first.knowledge.plus(added), (first, second)
 
 
-def of_shown(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> float:
+def of_shown(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor, learned: ErrorModel | None = None) -> float:
     """Return the expected |relative volume error| where ``known`` is what the views ``seen`` say together.
 
-    Exactly 1 where nothing of the box comes back.
+    Exactly 1 where nothing of the box comes back. ``learned`` as :func:`expected_error`.
     """
     if not any(view.returns.any() for view in seen):
         return 1.0
     guess = physical_outcome(box, known, seen, sensor)
-    return shipped_error_model().corrected(guess, circumstances(box, known, seen, sensor)).expected
+    return (learned or shipped_error_model()).corrected(guess, circumstances(box, known, seen, sensor)).expected
 
 
 def physical_outcome(box: Box, known: Knowledge, seen: tuple[Showing, ...], sensor: Sensor) -> Outcome:

@@ -65,19 +65,20 @@ class CombinedPolicy:
     Both score in the same unit up to a constant: by minus the expected relative error.
     """
 
-    model: OnBelief
+    model: OnBelief[ExpectedErrorPolicy]
     """The model-based policy."""
     network: ViewPolicy
     """The network."""
-    fused: bool = True
-    """Whether both say what a candidate is worth together with the present scan, rather than alone."""
     name: str = "combined"
+
+    def trust(self, known: Seen) -> float:
+        """Return the weight of the model after :meth:`OnBelief.measuring`."""
+        return trust(self.model.belief(known), fused=self.model.policy.fused)
 
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) weighted means; where one of the two has no opinion the other's, NaN where neither has."""
         known = self.model.measuring(seen)
-        weight = trust(self.model.belief(known), fused=self.fused)
-        return weighted(self.model.scores(known), self.network.scores(known), weight)
+        return weighted(self.model.scores(known), self.network.scores(known), self.trust(known))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
