@@ -14,7 +14,7 @@ from viewgain.cli._text import plan_words
 from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, BoxEstimate, Measurement, fuse_measurements, measure
 from viewgain.plan import CovariancePolicy, ExpectedErrorPolicy, Policy, next_view
-from viewgain.plan._belief import belief_from
+from viewgain.plan._believed import belief_from
 from viewgain.scans import read_scan
 
 SCANS = {

@@ -1,7 +1,7 @@
 """``viewgain evaluate volume`` through the real command: figures by hand, going on, and what goes wrong."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +105,7 @@ def test_the_default_estimators_decisions_come_with_a_chance_and_a_picture(
 ) -> None:
     """Of boxes that are kept no scan is taken but those to decide by."""
     settings = VolumeSettings(seed=5, captures=2)
-    claim(tmp_path, {"rig_stations": rig_digest(settings), **asdict(settings)}, results=tmp_path / "boxes")
+    claim(tmp_path, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=tmp_path / "boxes")
     for number in range(3):
         kept = {
             "box": number,
@@ -147,6 +147,26 @@ def test_fused_errors_are_those_of_both_scans_measured_together(capsys: pytest.C
             first, second = believed(case, case.present, 4), believed(case, view, number)
             (box,) = fuse([first, second], camera="pico_flexx").boxes
             assert kept[0]["errors"][view][number] == pytest.approx(np.prod(box.dimensions) / np.prod(kept[0]["size_m"]) - 1)
+
+
+def test_whoever_is_told_the_place_decides_otherwise_and_the_page_says_how_far_off_it_is(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Boxes of a metre, seen from 85 cm: half of a side is out of sight, and where the middle is says how long it is."""
+    network = "pose_scores-irregular4-camera"
+    names = ("expected", "expected_around", f"combined:{network}", f"combined_around:{network}")
+    large = ("--side", "0.7", "1.2", "--boxes", "5", "--captures", "2", "--estimator", "lines_published", "--seed", "9")
+    assert main(["evaluate", "volume", *large, "--off-centre", "0.05", "--policies", *names, "--out", str(tmp_path)]) == 0
+    page = capsys.readouterr().out
+    assert "the rig's middle 5 cm per axis off the box's centre" in page
+    assert all(f"| {name} |" in page for name in names)
+    content = json.loads((tmp_path / "volume.json").read_text())
+    undecided = {row["name"]: row["undecided"] for row in content["rows"] if row["name"] in names}
+    assert undecided["expected"] > 0 == undecided["expected_around"]
+    assert main(["evaluate", "volume", *large, "--policies", "farthest", "--out", str(tmp_path)]) == 2
+    assert "holds results of other settings" in capsys.readouterr().err
+    assert main(["evaluate", "volume", *large, "--off-centre", "-1"]) == 2
+    assert "got -1.0 m off centre" in capsys.readouterr().err
 
 
 def believed(case: VolumeCase, view: int, number: int) -> Scan:

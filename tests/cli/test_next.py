@@ -213,6 +213,7 @@ def test_who_decides_by_itself_depends_on_what_is_known_and_is_said(tmp_path: Pa
         ("combined", ("box",), (), "model and network together"),
         ("combined", (), ("fitted",), "model and network together"),
         ("combined", (), (None,), "by the network: nothing could be measured"),
+        ("combined", (), (), "of the boxes that would look like this and stand at the place"),
     ],
 )
 def test_the_words_name_those_who_had_a_say(
@@ -222,6 +223,48 @@ def test_the_words_name_those_who_had_a_say(
     blobs = tuple(SimpleNamespace(estimate=each) for each in rejected)
     plan = SimpleNamespace(policy=policy, current=SimpleNamespace(boxes=boxes, rejected=blobs))
     assert words in decider_in_words(plan)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def wall(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A carton of a metre so near that it fills the image: its top passes for the floor; and the same scan without its pose."""
+    box, folder = standing_box(np.array([1.0, 1.1, 0.56]), yaw=0.5), tmp_path_factory.mktemp("wall")
+    camera = orbit_pose(box.centre, np.deg2rad(140), np.deg2rad(32), 0.85)
+    scan = capture(Scene((box,)), camera, sensor("pico_flexx").without_systematic(), rng=np.random.default_rng(3))
+    write_scan(scan, folder / "wall.npz")
+    write_scan(replace(scan, camera_to_world=None), folder / "unposed.npz")
+    return folder
+
+
+PLACE = ["--place", "0.05", "-0.05", "0.3"]
+
+
+def test_told_the_place_it_leads_away_from_a_wall_of_cardboard(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = [str(wall / "wall.npz"), "--camera", "pico_flexx"]
+    assert main(["next", *arguments]) == 3
+    capsys.readouterr()
+    assert main(["next", *arguments, *PLACE]) == 0
+    words = capsys.readouterr().out
+    assert "nothing_on_floor" in words
+    assert "stand at the place" in words
+    plan = plan_of([*arguments, *PLACE], capsys)
+    assert (plan["policy"], plan["stop"], plan["current"]["reason"]) == ("combined", False, "nothing_on_floor")
+    chosen = np.array(plan["candidates"][plan["best"]]["camera_to_current"])
+    middle = np.array([0.0, 0.0, 0.85])  # what the camera looks at
+    assert np.linalg.norm(chosen[:3, 3] - middle) > 1.2
+    assert plan_of([*arguments, *PLACE], capsys) == plan
+
+
+def test_a_place_that_makes_no_sense_is_refused_in_one_line(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for scan, more, words in (
+        ("wall", [*PLACE, "--place-sigma", "0"], "standard deviation of 0.0 m, wanted a positive length"),
+        ("wall", ["--place", "nan", "0", "0"], "wanted three finite numbers"),
+        ("unposed", PLACE, "without a pose, wanted camera_to_world"),
+    ):
+        assert main(["next", str(wall / f"{scan}.npz"), *more]) == 2
+        error = capsys.readouterr().err
+        assert words in error
+        assert error.count("\n") == 1
 
 
 def test_best_is_the_top_of_the_reachable_scores_up_to_a_tie(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:

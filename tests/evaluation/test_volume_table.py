@@ -15,6 +15,7 @@ from viewgain.evaluation import (
     volume_markdown,
     volume_table,
 )
+from viewgain.plan import looked_at
 
 SETTINGS = VolumeSettings(captures=6)
 POLICIES = ("wise", "random", "constant", "oracle")
@@ -88,6 +89,25 @@ def test_boxes_leave_a_choice_and_lie_within_their_sizes() -> None:
         volume_case(replace(SETTINGS, side=(4.0, 4.0)), 0)
 
 
+def test_a_rig_off_centre_is_about_a_point_beside_the_same_box() -> None:
+    for number in range(6):
+        centred, beside, far = (volume_case(replace(SETTINGS, off_centre=metres), number) for metres in (0.0, 0.02, 0.04))
+        assert looked_at(centred.stations) == pytest.approx(centred.box.centre)
+        if np.array_equal(beside.box.extents, far.box.extents):  # else one of them was drawn anew, for want of two positions
+            one, other = (looked_at(case.stations) - case.box.centre for case in (beside, far))  # type: ignore[operator]
+            assert other == pytest.approx(2 * one)
+            assert 0 < np.linalg.norm(one) < 0.12
+            assert looked_at(np.stack([beside.scans.camera_to_world(view, 3) for view in range(4)])) == pytest.approx(
+                beside.box.centre + one
+            )
+
+
+def test_a_rig_in_the_middle_goes_without_saying() -> None:
+    """Results of before the question could be asked are answers to it still."""
+    assert "off_centre" not in SETTINGS.to_dict()
+    assert replace(SETTINGS, off_centre=0.1).to_dict() == {**SETTINGS.to_dict(), "off_centre": 0.1}
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -107,6 +127,9 @@ def test_boxes_leave_a_choice_and_lie_within_their_sizes() -> None:
         ({"fused": True, "estimator": "lines_mended"}, "cannot fuse"),
         ({"rig": "nowhere"}, "rig 'nowhere'"),
         ({"camera": "eye"}, "camera 'eye'"),
+        ({"off_centre": -0.1}, "-0.1 m off centre"),
+        ({"off_centre": np.nan}, "nan m off centre"),
+        ({"off_centre": np.inf}, "inf m off centre"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(change: dict[str, object], words: str) -> None:
@@ -115,9 +138,9 @@ def test_settings_that_make_no_sense_are_refused(change: dict[str, object], word
 
 
 def test_unknown_policies_are_refused() -> None:
-    check_volume_policies(("expected", "network:some.onnx"))
-    for name in ("best", "model", "network:", "expected:some.onnx"):
-        with pytest.raises(ConfigError, match=f"'{name}' is not known; choose from expected, covariance"):
+    check_volume_policies(("expected", "expected_around", "network:some.onnx", "combined_around:some.onnx"))
+    for name in ("best", "model", "network:", "expected:some.onnx", "expected_around:some.onnx", "combined_around"):
+        with pytest.raises(ConfigError, match=f"'{name}' is not known; choose from expected, expected_around, covariance"):
             check_volume_policies((name,))
     with pytest.raises(ConfigError, match="each once"):
         check_volume_policies(("expected", "expected"))

@@ -13,7 +13,7 @@ from viewgain.camera import Intrinsics
 from viewgain.errors import ConfigError
 from viewgain.geometry import pose, rotation_from_rotvec, transform
 from viewgain.measure import POSE_SIGMA, fuse_measurements, measure
-from viewgain.plan import Assessment, Belief, NextView, directions_in_words, next_view
+from viewgain.plan import Assessment, Belief, NextView, Place, directions_in_words, next_view
 from viewgain.rigs import Rig, Station
 from viewgain.scans import Scan
 from viewgain.scenes import orbit_pose, random_box, random_view, standing_box
@@ -281,6 +281,19 @@ def test_settings_that_make_no_sense_are_refused_in_one_line(options: dict[str, 
     with pytest.raises(ConfigError) as caught:
         next_view(floor_only(), **options)
     assert "\n" not in str(caught.value)
+
+
+def test_a_place_says_how_deep_a_box_is_of_which_only_the_front_is_seen() -> None:
+    """Without one an open depth may be over a metre; the candidates then stand around the middle of what may be."""
+    box = standing_box(np.array([0.25, 0.4, 0.35]))
+    scan = scan_of(box, view=corner_view(box, azimuth_deg=0.0, elevation_deg=11.0), rng=np.random.default_rng(0))
+    assert scan.camera_to_world is not None
+    true = transform(np.linalg.inv(scan.camera_to_world), box.centre)
+    anywhere, placed = (next_view(scan, camera=CAMERA, place=place) for place in (None, Place(box.centre, 0.02)))
+    assert "open" in placed.current.boxes[0].flags
+    assert np.linalg.norm(placed.target - true) < 0.03 < np.linalg.norm(anywhere.target - true)
+    with pytest.raises(ConfigError, match="without a pose, wanted camera_to_world"):
+        next_view(replace(scan, camera_to_world=None), camera=CAMERA, place=Place(box.centre, 0.02))
 
 
 def test_several_scans_need_poses_and_are_fused() -> None:

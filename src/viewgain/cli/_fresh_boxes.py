@@ -23,6 +23,7 @@ def boxes_alone(command: EvaluateVolume | EvaluateMap) -> VolumeSettings:
         side=command.side,
         distance=command.distance,
         elevation_deg=command.elevation,
+        off_centre=command.off_centre,
     )
 
 

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from viewgain.cli._commands import Next
 from viewgain.cli._exit import NOTHING_MEASURED
 from viewgain.cli._files import check, read_floor, read_one
@@ -17,6 +19,7 @@ from viewgain.plan import (
     CovariancePolicy,
     ExpectedErrorPolicy,
     NetworkPolicy,
+    Place,
     Policy,
     VolumeJudge,
     VolumeNetworkAboutBox,
@@ -48,6 +51,8 @@ def run_next(command: Next) -> int:
         tolerance=command.tolerance,
         confidence=command.confidence,
         judge=VolumeJudge(scans[-1], command.deciding.abstain) if command.objective == "volume" else None,
+        place=None if command.place is None else Place(np.array(command.place), command.place_sigma),
+        scan=scans[-1],
     )
     if command.json:
         print(json.dumps(plan.to_dict(), allow_nan=False))

@@ -57,6 +57,11 @@ def decider_in_words(plan: NextView) -> str:
     """Return in a sentence who decided where nobody was named, and why."""
     if plan.policy == MODEL:
         return "Decided by the model: every dimension is bounded, so the view that leaves the volume most certain wins."
+    if not plan.current.boxes and not plan.current.rejected:
+        return (
+            "Decided by model and network together: nothing could be measured, so the view wins that is to err least of the boxes"
+            " that would look like this and stand at the place."
+        )
     if not plan.current.boxes and all(blob.estimate is None for blob in plan.current.rejected[:1]):
         return "Decided by the network: nothing could be measured, and it has seen what usually stands behind such a scan."
     return "Decided by model and network together: a dimension is open, so the view that is to err least wins."

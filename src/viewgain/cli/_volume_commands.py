@@ -33,13 +33,16 @@ class EvaluateVolume(FreshBoxes):
     rig: str = "irregular4"
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     policies: tuple[str, ...] = ("expected", "covariance", "farthest", "constant", "random", "oracle")
-    """Who chooses: expected, covariance, farthest, constant, random, informed, oracle, network:FILE.onnx, combined:FILE.onnx."""
+    """Who chooses: expected, expected_around, covariance, farthest, constant, random, informed, oracle, network:FILE.onnx,
+    combined:FILE.onnx, combined_around:FILE.onnx (_around: is told that the rig was put up around the box, to 10 cm)."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 24
     """Scans of each position that score it; as many others are the oracle's."""
     fused: bool = False
     """A position is worth what its scan and the present one say together (default estimator only)."""
+    off_centre: float = 0.0
+    """How far the middle of the rig lies from each box's centre, standard deviation per axis, metres."""
     workers: int = 1
     """Processes; the results are the same whatever the number."""
     out: Path | None = None
@@ -112,13 +115,16 @@ class EvaluateMap(FreshBoxes):
     rig: str = "hemisphere48"
     """Positions: hemisphere<N>, ring<N>, irregular4, ... (docs/rigs.md), or a TOML file; one in each direction."""
     policies: tuple[str, ...] = ("expected", "covariance")
-    """Who decides: expected, covariance, farthest, network:FILE.onnx, combined:FILE.onnx."""
+    """Who decides: expected, expected_around, covariance, farthest, network:FILE.onnx, combined:FILE.onnx,
+    combined_around:FILE.onnx."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 8
     """Scans of each position whose mean error is the truth."""
     fused: bool = False
     """A position is worth what its scan and the present one say together (default estimator only)."""
+    off_centre: float = 0.0
+    """How far the middle of the rig lies from the box's centre, standard deviation per axis, metres."""
     out: Path | None = None
     """Folder to write map.md, map.json and (extra: report) map.png into."""
 

@@ -1,7 +1,7 @@
 """What every position around one fresh box is worth, and what each policy believes that it is worth (docs/volume_nbv.md)."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class GainMap:
         case, best = self.case, best_positions(self.truth)
         distances = np.linalg.norm(_away(case), axis=1)
         return {
-            "settings": asdict(case.settings),
+            "settings": case.settings.to_dict(),
             "box": case.number,
             "extents_m": np.round(case.box.extents, 6).tolist(),
             "yaw_deg": round(float(np.rad2deg(self.yaw)), 3),

@@ -1,6 +1,7 @@
 """Fresh boxes from a seed, and the cameras that look at them: what planners are asked about."""
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from viewgain.simulate import draw_range_error
 
 LEAST_CAPTURES = 2
 """Fewer scans of each position have no spread."""
-_CASE = 0x7632
-"""Stream of boxes."""
+_CASE, _ASIDE = 0x7632, 0x7635
+"""Streams of boxes, and of where the rig's middle lies from them."""
 _TRIES = 1000
 
 
@@ -44,6 +45,8 @@ class VolumeSettings:
     """For stations that leave it open, metres from the box's centre."""
     elevation_deg: float = 35.0
     """For stations that leave it open, degrees."""
+    off_centre: float = 0.0
+    """How far the middle of the rig lies from the box's centre, standard deviation per axis, metres; 0 or more."""
 
     def __post_init__(self) -> None:
         if self.seed < 0:
@@ -56,6 +59,8 @@ class VolumeSettings:
             )
         if not np.isfinite(self.elevation_deg):
             raise ConfigError(f"evaluate: got elevation {self.elevation_deg}, wanted a finite number of degrees")
+        if not 0 <= self.off_centre < np.inf:
+            raise ConfigError(f"evaluate volume: got {self.off_centre} m off centre, wanted a finite length of 0 or more")
         if self.estimator not in ESTIMATORS:
             raise ConfigError(f"estimator: got {self.estimator!r}, wanted one of {', '.join(ESTIMATORS)}")
         if self.fused and self.estimator != "default":
@@ -66,6 +71,11 @@ class VolumeSettings:
     def stations(self) -> Rig:
         """Return the rig."""
         return rig(self.rig)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the question as plain values; a rig whose middle is the box's goes without saying, as it always did."""
+        plain = asdict(self)
+        return plain if self.off_centre else {name: value for name, value in plain.items() if name != "off_centre"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,14 +125,14 @@ def volume_case(settings: VolumeSettings, number: int) -> VolumeCase:
     Raises:
         ConfigError: If no box of 1,000 leaves two positions.
     """
-    rng = np.random.default_rng([settings.seed, _CASE, number])
+    rng, beside = (np.random.default_rng([settings.seed, stream, number]) for stream in (_CASE, _ASIDE))
     stations, camera = settings.stations(), sensor(settings.camera)
     ranges = SceneRanges(extent=settings.side, yaw_deg=(0.0, 360.0))
     for _ in range(_TRIES):
         box = random_box(rng, ranges)
-        target = Target(box.box_to_camera, box.extents)
+        target, aside = Target(box.box_to_camera, box.extents), settings.off_centre * beside.normal(size=3)
         elevation = float(np.deg2rad(settings.elevation_deg))
-        cameras = poses(stations, target, elevation=elevation, distance=settings.distance)
+        cameras = poses(stations, target.shifted(aside), elevation=elevation, distance=settings.distance)
         limits = replace(stations, min_distance=max(stations.min_distance, camera.range_min))
         reachable = np.array([reason is None for reason in refusals(limits, cameras, target)])
         if reachable.sum() < 2:
@@ -135,6 +145,7 @@ def volume_case(settings: VolumeSettings, number: int) -> VolumeCase:
             elevation=elevation,
             distance=settings.distance,
             error=draw_range_error(camera, rng=rng),
+            aside=aside,
         )
         present = int(rng.choice(np.flatnonzero(reachable)))
         return VolumeCase(number, settings, scans, cameras, reachable, present)

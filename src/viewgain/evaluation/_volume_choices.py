@@ -13,6 +13,7 @@ from viewgain.gain import unrolled
 from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan import (
+    AROUND,
     CombinedPolicy,
     CovariancePolicy,
     ExpectedErrorPolicy,
@@ -37,13 +38,18 @@ Maker = Callable[[DecisionCase], ViewPolicy]
 """Gives the policy that decides on a case."""
 DECIDING: Mapping[str, Maker] = {
     "expected": lambda case: _expected(case),
+    "expected_around": lambda case: _expected(case, AROUND),
     "covariance": lambda case: OnBelief(CovariancePolicy(POSE_SIGMA), case.camera),
     "farthest": lambda case: FarthestPolicy(),
 }
-"""Policies by name, but for networks: ``expected`` goes by the expected error, which is what is scored, ``covariance`` by the
-certainty after fusing, ``farthest`` by the way from the present position."""
-FROM_FILE = {"network": "its scores alone", "combined": "they and minus the expected error, weighted by what is known"}
-"""Policies that are named with a file, ``network:FILE.onnx``, and what decides."""
+"""Policies by name, but for networks: ``expected`` goes by the expected error, which is what is scored, ``expected_around`` too,
+and is told that the rig was put up around the box; ``covariance`` goes by the certainty after fusing, ``farthest`` by the way
+from the present position."""
+BESIDE: Mapping[str, float | None] = {"combined": None, "combined_around": AROUND}
+"""Policies that are named with a network's file in which minus the expected error has a say, and what they are told of the place:
+nothing, as ``expected``, or to what the rig's middle is the box's, as ``expected_around``."""
+FROM_FILE = ("network", *BESIDE)
+"""Policies that are named with a file, ``network:FILE.onnx``."""
 
 
 def check_volume_policies(names: tuple[str, ...]) -> None:
@@ -80,15 +86,16 @@ def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
     if name in DECIDING:
         return DECIDING[name](case)
     network = network_of(name, case.settings)
-    return CombinedPolicy(_expected(case), network) if name.startswith("combined:") else network
+    kind = name.partition(":")[0]
+    return CombinedPolicy(_expected(case, BESIDE[kind]), network) if kind in BESIDE else network
 
 
-def _expected(case: DecisionCase) -> OnBelief[ExpectedErrorPolicy]:
-    return OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera)
+def _expected(case: DecisionCase, around: float | None = None) -> OnBelief[ExpectedErrorPolicy]:
+    return OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera, around=around)
 
 
 def network_of(name: str, settings: Question) -> ViewPolicy:
-    """Return the policy of the network in a name, ``network:FILE`` or ``combined:FILE``; raises as :func:`policy_of`."""
+    """Return the policy of the network in a name, ``network:FILE``, ``combined:FILE``, ...; raises as :func:`policy_of`."""
     return _network_policy(name.partition(":")[2], rig=settings.stations().name)
 
 

@@ -1,6 +1,5 @@
 """Boxes worked through by processes: errors that are costly and kept, decisions that are cheap and made anew every time."""
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -89,7 +88,7 @@ def run_boxes(
     for name in filter(is_from_file, deciding):
         network_of(name, settings)  # a wrong file is said before the first box, which takes its time
     if folder is not None:
-        claim(folder, {"rig_stations": rig_digest(settings), **dataclasses.asdict(settings)}, results=folder / BOXES)
+        claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
     tasks = [
         _Task(
             settings=settings,

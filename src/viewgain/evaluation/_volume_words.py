@@ -42,11 +42,12 @@ def _risks(table: VolumeTable) -> list[str]:
 def _heading(table: VolumeTable) -> list[str]:
     asked = table.settings
     what = "fused with the present scan" if asked.fused else "alone"
+    beside = f", the rig's middle {100 * asked.off_centre:g} cm per axis off the box's centre" if asked.off_centre else ""
     return [
         f"## Next best view for volume: {table.boxes} fresh boxes of seed {asked.seed}, rig {asked.rig}, camera {asked.camera}",
         "",
-        f"Sides {asked.side[0]:g} to {asked.side[1]:g} m, random yaw. A position is worth the expected |relative volume error| of"
-        f" a scan from it {what}, estimator {asked.estimator}, over {asked.captures} scans; a scan without an estimate"
+        f"Sides {asked.side[0]:g} to {asked.side[1]:g} m, random yaw{beside}. A position is worth the expected |relative volume"
+        f" error| of a scan from it {what}, estimator {asked.estimator}, over {asked.captures} scans; a scan without an estimate"
         f" ({100 * table.missed:.1f} % of all) counts as 100 %. Positions within two standard errors of the least count as best:"
         f" {table.best:.1f} of {table.reachable:.1f} that can be reached; on {table.no_choice} boxes all of them do. One decision"
         " per box, from one scan of a random present position, in the camera frame. The oracle chooses by"

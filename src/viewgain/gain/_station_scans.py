@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from viewgain.arrays import Pose
+from viewgain.arrays import Pose, Vector3
 from viewgain.box import Box
 from viewgain.camera import Sensor
 from viewgain.errors import ConfigError, ScanError
@@ -97,6 +97,8 @@ class BoxScans(StationScans):
 
     box: Box
     """The box, world frame, on the floor."""
+    aside: Vector3 = field(default_factory=lambda: np.zeros(3))
+    """(3,) from the box's centre to the middle of the rig, metres, world."""
 
     @property
     def scene(self) -> Scene:
@@ -105,8 +107,8 @@ class BoxScans(StationScans):
 
     @property
     def target(self) -> Target:
-        """The box."""
-        return Target(self.box.box_to_camera, self.box.extents)
+        """The box, or as much space beside it."""
+        return Target(self.box.box_to_camera, self.box.extents).shifted(self.aside)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -4,12 +4,12 @@ from viewgain.plan._adapters import OnBelief as OnBelief
 from viewgain.plan._adapters import OnScans as OnScans
 from viewgain.plan._any_shape import ColumnsPolicy as ColumnsPolicy
 from viewgain.plan._any_shape import WatchedPolicy as WatchedPolicy
-from viewgain.plan._around import believe as believe
 from viewgain.plan._automatic import AutomaticPolicy as AutomaticPolicy
 from viewgain.plan._belief import Belief as Belief
 from viewgain.plan._belief import Certainty as Certainty
 from viewgain.plan._belief import Outlook as Outlook
 from viewgain.plan._belief import certainty as certainty
+from viewgain.plan._believed import believe as believe
 from viewgain.plan._circumstances import circumstances as circumstances
 from viewgain.plan._confidence import NUMBERS as NUMBERS
 from viewgain.plan._confidence import Confidence as Confidence
@@ -39,6 +39,10 @@ from viewgain.plan._next_view import Candidate as Candidate
 from viewgain.plan._next_view import NextView as NextView
 from viewgain.plan._opinions import Opinions as Opinions
 from viewgain.plan._opinions import weighted as weighted
+from viewgain.plan._place import AROUND as AROUND
+from viewgain.plan._place import Place as Place
+from viewgain.plan._place import looked_at as looked_at
+from viewgain.plan._place import place_amid as place_amid
 from viewgain.plan._policy import MODEL as MODEL
 from viewgain.plan._policy import Assessment as Assessment
 from viewgain.plan._policy import CovariancePolicy as CovariancePolicy

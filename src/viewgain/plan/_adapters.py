@@ -9,8 +9,9 @@ from viewgain.arrays import Poses, Vector
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure
-from viewgain.plan._around import believe
 from viewgain.plan._belief import Belief
+from viewgain.plan._believed import believe
+from viewgain.plan._place import place_amid
 from viewgain.plan._policy import Assessment, Policy
 from viewgain.plan._views import Seen, ViewPolicy, visited_among
 from viewgain.scans import Scan
@@ -55,7 +56,8 @@ class OnScans:
 class OnBelief(Generic[PolicyT]):
     """A policy about a box as a general one: it measures the scans so far and asks the policy what it believes.
 
-    It measures all scans anew at every question, but where it is told what they say together.
+    It measures all scans anew at every question, but where it is told what they say together. Told that the candidates were put
+    up around the box, it takes what they look at for the box's place, and has a belief where nothing could be measured, too.
     """
 
     policy: PolicyT
@@ -66,6 +68,9 @@ class OnBelief(Generic[PolicyT]):
     """Relative volume error asked for."""
     pose_sigma: tuple[float, float] = POSE_SIGMA
     """Standard deviation of camera poses, metres and radians per axis."""
+    around: float | None = None
+    """How far the point that all candidates look at may lie from the box's centre, standard deviation per axis, metres; None:
+    that they look at the box is no news, for they were put up around what was measured."""
 
     @property
     def name(self) -> str:
@@ -73,7 +78,7 @@ class OnBelief(Generic[PolicyT]):
         return self.policy.name
 
     def scores(self, seen: Seen) -> Vector:
-        """Return (V,) scores; NaN where nothing stands on a floor, or no scan showed anything."""
+        """Return (V,) scores; NaN where nothing is believed, or no scan showed anything."""
         known = self.measuring(seen)
         belief = self.belief(known)
         here = None if known.measured is None else known.measured.camera_to_world
@@ -89,8 +94,12 @@ class OnBelief(Generic[PolicyT]):
         return replace(seen, measured=self._measured(list(seen.scans)))
 
     def belief(self, seen: Seen) -> Belief | None:
-        """Return what is believed after :meth:`measuring`; None where nothing stands on a floor, or there is no scan."""
-        return None if seen.measured is None else believe(seen.measured, self.sensor)
+        """Return what is believed after :meth:`measuring`; None without a scan, and where nobody knows of a box."""
+        if seen.measured is None:
+            return None
+        here = seen.measured.camera_to_world
+        place = None if self.around is None or here is None else place_amid(inverse(here) @ seen.candidates, self.around)
+        return believe(seen.measured, self.sensor, place, seen.scans[-1] if seen.scans else None)
 
     def _measured(self, scans: list[Scan]) -> Measurement:
         if len(scans) == 1:

@@ -1,29 +1,17 @@
-"""What is believed to stand there, what the candidates stand around, and which of them can be reached."""
+"""What the candidates stand around, and which of them can be reached."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from viewgain.arrays import Pose, Poses
-from viewgain.camera import Sensor
 from viewgain.geometry import inverse
-from viewgain.measure import Measurement
-from viewgain.plan._belief import Belief, belief_from, belief_from_blob, floor_pose
+from viewgain.plan._belief import Belief, floor_pose
 from viewgain.plan._predict import predict
 from viewgain.rigs import Rig, Station, Target, place, refusals
 
 STEPS_BACK = (1.0, 1.15, 1.3, 1.5, 1.75, 2.0)
 """Factors on the present distance that are tried until the box fits into the image."""
-
-
-def believe(measured: Measurement, sensor: Sensor) -> Belief | None:
-    """Return what is believed about the largest box in the image, or the largest rejected object; None without either."""
-    if measured.boxes:
-        return belief_from(measured.boxes[0])
-    if not measured.rejected:
-        return None
-    blob = measured.rejected[0]
-    return belief_from_blob(blob, measured, sensor) if blob.estimate is None else belief_from(blob.estimate)
 
 
 def step_back(belief: Belief) -> float:

@@ -1,8 +1,4 @@
-"""What is believed about the box before moving: a weighted set of boxes, whatever the present scan showed.
-
-A well-seen box is one box with its covariance. A dimension that was left open is spread over its stated prior, with the seen
-face held still. A mere blob on the floor is a box of the blob's size, known to a third of it.
-"""
+"""What is believed about the box before moving, how well its volume is known, and the stop rule."""
 
 from dataclasses import dataclass
 
@@ -10,20 +6,10 @@ import numpy as np
 from scipy.special import ndtr
 
 from viewgain.arrays import Array, Pose
-from viewgain.box import PARAMETERS, Box
+from viewgain.box import Box
 from viewgain.camera import Sensor
-from viewgain.geometry import floor_to_camera, pose
-from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, SYSTEMATIC, BoxEstimate, Knowledge, Measurement, Rejected
-
-SPREAD = (1, 5, 3, 2)
-"""Number of boxes that stand for each open dimension, by how many are open."""
-TYPICAL_EXTENT = 1.2
-"""An open dimension is taken to be at most this long, metres, unless it is already longer."""
-
-
-LEAST_REACH = 0.6
-"""An open dimension is considered up to at least this, metres, whatever its interval says: the evidence against a longer one is
-missing returns alone, and a plan that is good for longer boxes too costs little."""
+from viewgain.geometry import floor_to_camera
+from viewgain.measure import Knowledge
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +28,8 @@ class Belief:
     """Whether the scans bound every dimension."""
     guessed: bool = False
     """Whether nothing could be measured, and the box is a guess at what stands there."""
+    glimpsed: bool = False
+    """Whether, of those, the boxes are what explains the scan at a place where one is known to stand."""
 
     @property
     def mean(self) -> Box:
@@ -67,42 +55,6 @@ class Certainty:
     """Probability that the relative volume error is under the tolerance."""
     enough: bool
     """Whether that is as much as was asked for, of a box with every dimension bounded."""
-
-
-def belief_from(estimate: BoxEstimate) -> Belief:
-    """Return the belief after measuring a box: one box, or several where dimensions are open."""
-    boxes = [estimate.box]
-    ridge_of = np.linalg.inv(estimate.knowledge.information + LOOSE_PRIOR)
-    axes = np.flatnonzero(estimate.is_open)
-    steps = (np.arange(SPREAD[len(axes)]) + 0.5) / SPREAD[len(axes)]
-    for axis in axes:
-        interval = estimate.intervals[axis]
-        value = estimate.box.extents[axis]
-        low = max(interval.low, PRIOR_EXTENT[0])
-        high = max(interval.high if np.isfinite(interval.high) else TYPICAL_EXTENT, LEAST_REACH, 1.5 * low)
-        ridge = ridge_of[:, 6 + axis] / ridge_of[6 + axis, 6 + axis]
-        lengths = low * max(high / low, 1.01) ** steps
-        boxes = [box.moved(ridge * (length - value)) for length in lengths for box in boxes]
-    boxes = [Box(box.box_to_camera, np.maximum(box.extents, 0.01)) for box in boxes]
-    view = estimate.views[0]
-    return Belief(
-        tuple(sorted(boxes, key=lambda box: box.volume)), estimate.knowledge, view.sensor, view.noise, not any(estimate.is_open)
-    )
-
-
-def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Belief:
-    """Return the belief about an object that could not be measured: its bounding box, each number known to a third."""
-    assert current.floor is not None
-    placing = floor_to_camera(current.floor.plane)
-    corners = blob.centre + blob.spread * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    local = (corners - placing[:3, 3]) @ placing[:3, :3]
-    middle = (blob.centre - placing[:3, 3]) @ placing[:3, :3]
-    reach = np.maximum(np.abs(local - middle).mean(axis=0), 0.03)
-    extents = np.array([2 * reach[0], 2 * reach[1], max(middle[2] + reach[2], 0.05)])
-    box = Box(placing @ pose(np.eye(3), np.array([middle[0], middle[1], 0.0])), extents)
-    third = np.concatenate([np.full(2, 50.0), [0.5], np.repeat(3 / extents.mean(), 2), [20.0], 3 / extents]) ** 2
-    knowledge = Knowledge(np.diag(third), np.zeros((PARAMETERS, SYSTEMATIC)))
-    return Belief((box,), knowledge, sensor, current.floor.noise, bounded=False, guessed=True)
 
 
 def outlook(belief: Belief, tolerance: float) -> Outlook:

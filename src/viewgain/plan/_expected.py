@@ -131,7 +131,7 @@ class ExpectedErrorPolicy:
     """
 
     fused: bool = True
-    """Whether the candidate is fused with what is known, or has to measure the box alone."""
+    """Whether the candidate is fused with what is known, or has to measure the box alone, as it must where nothing is known."""
     pose_sigma: tuple[float, float] = POSE_SIGMA
     """Standard deviation of a camera pose, metres and radians per axis."""
     name: str = "expected"
@@ -144,7 +144,7 @@ class ExpectedErrorPolicy:
 
     def _errors(self, belief: Belief, box: Box, candidates: Poses) -> list[float]:
         sensor, noise = belief.sensor, belief.noise
-        if not self.fused:
+        if not self.fused or belief.glimpsed:
             return [expected_error(box, candidate, sensor, noise) for candidate in candidates]
         here = showing(box, np.eye(4), sensor, noise)
         first = replace(here, knowledge=belief.knowledge)

@@ -7,14 +7,18 @@ import numpy as np
 from viewgain.arrays import Poses
 from viewgain.camera import Sensor
 from viewgain.errors import ConfigError
+from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure, sensor_of
-from viewgain.plan._around import believe, reachable_of, step_back, target_of
+from viewgain.plan._around import reachable_of, step_back, target_of
 from viewgain.plan._belief import Belief, certainty, floor_pose
+from viewgain.plan._believed import believe
 from viewgain.plan._doubt import Hesitant
 from viewgain.plan._judge import VolumeJudge
 from viewgain.plan._next_view import Candidate, NextView
+from viewgain.plan._place import Place
 from viewgain.plan._policy import Assessment, CovariancePolicy, Delegating, Policy
-from viewgain.rigs import Rig, place
+from viewgain.rigs import Rig
+from viewgain.rigs import place as stand
 from viewgain.rigs import rig as find_rig
 from viewgain.scans import Scan
 
@@ -37,6 +41,8 @@ def next_view(
     confidence: float = 0.95,
     pose_sigma: tuple[float, float] = POSE_SIGMA,
     judge: VolumeJudge | None = None,
+    place: Place | None = None,
+    scan: Scan | None = None,
 ) -> NextView:
     """Rank the stations of a rig by how well the box's volume would be known after going there.
 
@@ -53,13 +59,17 @@ def next_view(
         confidence: Probability asked for: stop when P(error < tolerance) exceeds it.
         pose_sigma: Standard deviation of camera poses, metres and radians per axis.
         judge: Who says how likely the choice is nearly the best, and below which chance it is not stood by; for the volume only.
+        place: Where the box's centre is known to be before looking, in the world of the last scan's pose (z up); None where
+            nobody knows. It chooses among the lengths of dimensions that are open, and among boxes that explain a last scan in
+            which nothing can be measured; what is measured it does not change.
+        scan: The last scan, where ``current`` is a measurement and there is a place.
 
     Returns:
-        The ranking; with no candidates and a reason if there is no floor or nothing on it.
+        The ranking; with no candidates and a reason if there is no floor or nothing on it, and no place.
 
     Raises:
-        ConfigError: If rig, objective, tolerance, confidence or judge make no sense, or the last of several scans without poses
-            shares no box with the others, so that nobody knows where the camera stands.
+        ConfigError: If rig, objective, tolerance, confidence or judge make no sense, if the last of several scans without poses
+            shares no box with the others, so that nobody knows where the camera stands, or a place is given and no pose.
     """
     stations = find_rig(rig)
     if objective not in OBJECTIVES:
@@ -73,7 +83,7 @@ def next_view(
     decider = policy or CovariancePolicy(pose_sigma)
     measured = _measured(current, camera, pose_sigma)
     _require_standpoint(measured)
-    believed = believe(measured, sensor_of(camera))
+    believed = believe(measured, sensor_of(camera), _before_the_camera(place, measured), scan or _last(current))
     nothing = NextView(
         rig=stations.name,
         policy=decider.name,
@@ -94,7 +104,7 @@ def next_view(
     if isinstance(decider, Delegating):
         decider = decider.deciding(believed)
     back = step_back(believed)
-    poses = place(stations, target_of(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
+    poses = stand(stations, target_of(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
     assessments = decider.assess(believed, poses, tolerance)
     if objective == "volume":
         assessments = _told(assessments, CovariancePolicy(pose_sigma), believed, poses, tolerance)
@@ -150,6 +160,21 @@ def _measured(
     if isinstance(current, Scan):
         return measure(current, camera=camera)
     return fuse(current, camera=camera, pose_sigma=pose_sigma)
+
+
+def _last(current: Scan | list[Scan] | Measurement) -> Scan | None:
+    if isinstance(current, Measurement):
+        return None
+    return current if isinstance(current, Scan) else current[-1]
+
+
+def _before_the_camera(place: Place | None, measured: Measurement) -> Place | None:
+    """Return a place in the world in the present camera's frame."""
+    if place is None:
+        return None
+    if measured.camera_to_world is None:
+        raise ConfigError(f"place: got {measured.scans[-1]} without a pose, wanted camera_to_world, in whose world the place is")
+    return place.in_frame(inverse(measured.camera_to_world))
 
 
 def _require_standpoint(measured: Measurement) -> None:

@@ -46,15 +46,16 @@ def trust(belief: Belief | None, *, fused: bool) -> float:
 
     The model is exact about a box that it knows. Of what may stand behind a scan, and of scans without a volume, the network has
     seen more; where nothing could be measured it alone knows something. Together with a scan that bounds the box no candidate is
-    without a volume, and they differ by less than the network can tell. Chosen on boxes that no table uses.
+    without a volume, and they differ by less than the network can tell. Chosen on boxes that no table uses. Boxes that explain a
+    scan where one is known to stand are as good as a box with an open dimension; there is nothing to fuse a candidate with.
 
     Args:
         belief: What is believed about the box, if anything is.
         fused: Whether a candidate is worth what its scan and the present one say together, rather than its scan alone.
     """
-    if belief is None or belief.guessed:
+    if belief is None or (belief.guessed and not belief.glimpsed):
         return NOTHING_MEASURED
-    bounded, still_open = FUSED if fused else ALONE
+    bounded, still_open = FUSED if fused and not belief.glimpsed else ALONE
     return bounded if belief.bounded else still_open
 
 

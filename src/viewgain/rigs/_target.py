@@ -47,6 +47,10 @@ class Target:
         """Turn of its x axis about the world's vertical, radians."""
         return float(np.arctan2(self.target_to_world[1, 0], self.target_to_world[0, 0]))
 
+    def shifted(self, by: Vector3) -> "Target":
+        """Return the same target moved by (3,) metres, world."""
+        return Target(pose(self.target_to_world[:3, :3], self.target_to_world[:3, 3] + by), self.extents)
+
     def top_corner(self, quarter: int) -> Vector3:
         """Return the (3,) top corner over a quadrant of its frame, 0 to 3 anticlockwise from (+x, +y), metres, world."""
         sign = (1, -1, -1, 1)[quarter % 4], (1, 1, -1, -1)[quarter % 4]

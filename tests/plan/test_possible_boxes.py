@@ -1,0 +1,137 @@
+"""Boxes that explain a scan in which nothing was measured: rays against a slow oracle, and whether the true box is among them."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from viewgain.box import Box
+from viewgain.box._raycast import box_hits, entry_mask, floor_hits
+from viewgain.camera import sensor
+from viewgain.geometry import inverse
+from viewgain.measure import measure
+from viewgain.plan import CombinedPolicy, ExpectedErrorPolicy, FarthestPolicy, OnBelief, Place, Seen, trust
+from viewgain.plan._possible_boxes import expected_ranges, possible_boxes
+from viewgain.rigs import Target, poses, rig
+from viewgain.scans import Scan
+from viewgain.scenes import Scene, standing_box
+from viewgain.simulate import capture
+
+CAMERA = sensor("pico_flexx").without_systematic()
+LARGE = standing_box(np.array([1.0, 1.1, 0.56]), yaw=0.5)
+STATIONS = poses(rig("irregular4"), Target(LARGE.box_to_camera, LARGE.extents))
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def scan_of(station: int, box: Box = LARGE) -> Scan:
+    scan = capture(Scene((box,)), STATIONS[station], CAMERA, rng=np.random.default_rng(3), source="large")
+    return scan.posed(STATIONS[station])
+
+
+@pytest.fixture(scope="module")
+def scan() -> Scan:
+    """A carton so near that it fills the image: no estimate."""
+    return scan_of(2)
+
+
+def seen_from(scan: Scan) -> Seen:
+    assert scan.camera_to_world is not None
+    return Seen((scan,), scan.camera_to_world[None], STATIONS, (2,), CAMERA.intrinsics)
+
+
+@given(
+    row=st.tuples(*[st.floats(0.05, 1.2)] * 3, st.floats(0, 1.5), *[st.floats(-1.5, 1.5)] * 2, st.floats(-2.5, -0.8)),
+    seed=st.integers(0, 1000),
+)
+@settings(max_examples=60, deadline=None)
+def test_ranges_are_those_of_one_box_after_the_other(row: tuple[float, ...], seed: int) -> None:
+    """The oracle walks the visible faces of one box; the fast one knows slabs only."""
+    directions = np.random.default_rng(seed).normal(size=(40, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    box = standing_box(np.array(row[:3]), yaw=row[3])
+    placed = box.box_to_camera.copy()
+    placed[:3, 3] = np.array(row[4:]) - [0, 0, row[2] / 2]
+    box = Box(placed, box.extents)
+    hit = entry_mask(box, directions)
+    wanted = np.minimum(np.where(hit, box_hits(box, directions).ranges, floor_hits(box, directions).ranges), 8.0)
+    (found,) = expected_ranges(np.array([row]), directions)
+    plain = np.abs(directions[:, 2]) > 1e-5
+    assert found[plain] == pytest.approx(wanted[plain], abs=1e-6)
+
+
+def test_from_within_a_box_every_range_is_nothing() -> None:
+    (found,) = expected_ranges(np.array([[1.0, 1.0, 1.0, 0.3, 0.1, 0.1, 0.1]]), np.eye(3))
+    assert not found.any()
+
+
+def test_the_boxes_explain_the_scan_and_the_true_one_is_about_their_middle(scan: Scan) -> None:
+    assert not measure(scan, camera=CAMERA).boxes
+    assert scan.camera_to_world is not None
+    to_camera = inverse(scan.camera_to_world)
+    true, up = LARGE.in_frame(to_camera), to_camera[:3, :3] @ UP
+    found = possible_boxes(scan.points, up, Place(true.centre, 0.1), 9, rng=np.random.default_rng(0))
+    assert len(found) == 9
+    volumes = [box.volume for box in found]
+    assert volumes == sorted(volumes)
+    heights = np.array([box.extents[2] for box in found])
+    assert heights.mean() == pytest.approx(0.56, abs=0.2)  # the top is seen, and its distance from the middle known to 10 cm
+    assert np.ptp(heights) > 0.05
+    assert np.mean(volumes) == pytest.approx(LARGE.volume, rel=0.5)
+    ranges = np.linalg.norm(scan.points, axis=1)
+    directions = scan.points / ranges[:, None]
+    for box in found:
+        assert box.box_to_camera[:3, 2] == pytest.approx(up, abs=1e-9)
+        said = np.where(entry_mask(box, directions), box_hits(box, directions).ranges, floor_hits(box, directions).ranges)
+        assert np.median(np.abs(said - ranges)) < 0.05
+
+
+def test_the_same_draws_give_the_same_boxes_and_others_others(scan: Scan) -> None:
+    place = Place(np.array([0.0, 0.0, 0.85]), 0.1)
+    up = -np.array([0.0, 0.8, 0.6])
+    one, same, other = (possible_boxes(scan.points, up, place, 4, rng=np.random.default_rng(seed)) for seed in (1, 1, 2))
+    assert all(np.array_equal(a.box_to_camera, b.box_to_camera) for a, b in zip(one, same, strict=True))
+    assert not np.array_equal(one[0].extents, other[0].extents)
+
+
+def test_told_the_place_there_is_an_opinion_where_nothing_can_be_measured(scan: Scan) -> None:
+    """From 85 cm this carton is a wall. Only the second position shows all of it, as the rig's middle gives away."""
+    seen = seen_from(scan)
+    blind, told = (OnBelief(ExpectedErrorPolicy(fused=False), CAMERA, around=around) for around in (None, 0.1))
+    assert np.isnan(blind.scores(seen)).all()
+    known = told.measuring(seen)
+    belief = told.belief(known)
+    assert belief is not None
+    assert (belief.guessed, belief.glimpsed, belief.bounded, len(belief.boxes)) == (True, True, False, 9)
+    assert told.scores(seen).argmax() == 1
+    assert (trust(belief, fused=False), trust(belief, fused=True)) == (0.75, 0.75)
+
+
+def test_there_is_nothing_to_fuse_with(scan: Scan) -> None:
+    seen = seen_from(scan)
+    one, other = (OnBelief(ExpectedErrorPolicy(fused=fused), CAMERA, around=0.1).scores(seen) for fused in (True, False))
+    assert np.array_equal(one, other)
+
+
+def test_a_network_is_listened_to_there_as_well(scan: Scan) -> None:
+    seen = seen_from(scan)
+    model = OnBelief(ExpectedErrorPolicy(fused=False), CAMERA, around=0.1)
+    both = CombinedPolicy(model, FarthestPolicy()).scores(seen)
+    mean = 0.75 * model.scores(seen) + 0.25 * FarthestPolicy().scores(seen)
+    assert np.ptp(both - mean) == pytest.approx(0, abs=1e-9)
+
+
+def test_candidates_that_look_nowhere_tell_nothing(scan: Scan) -> None:
+    scattered = STATIONS.copy()
+    scattered[:, :3, 3] += np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0], [-2, 1, 0]])
+    seen = seen_from(scan)
+    seen = Seen(seen.scans, seen.stands, scattered, (), CAMERA.intrinsics)
+    assert np.isnan(OnBelief(ExpectedErrorPolicy(fused=False), CAMERA, around=0.1).scores(seen)).all()
+
+
+def test_a_box_that_is_measured_is_planned_for_as_without_a_place() -> None:
+    small = standing_box(np.array([0.3, 0.25, 0.2]), yaw=0.4)
+    stations = poses(rig("irregular4"), Target(small.box_to_camera, small.extents))
+    scan = capture(Scene((small,)), stations[0], CAMERA, rng=np.random.default_rng(3)).posed(stations[0])
+    seen = Seen((scan,), stations[:1], stations, (0,), CAMERA.intrinsics)
+    one, other = (OnBelief(ExpectedErrorPolicy(fused=False), CAMERA, around=around).scores(seen) for around in (None, 0.1))
+    assert np.array_equal(one, other)
