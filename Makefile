@@ -104,7 +104,8 @@ table2-recorded: data/recordings-simulated/boxes.toml ## Simulate recordings as 
 	$(BIN)/viewgain evaluate table2 --data data/recorded --models runs/volume_recorded_short.onnx --folds 3 --leave 1 --recipe volume_recorded_short --out tables/table2-recorded $(ARGS)
 
 # The networks that come with the package, alone and with the model, beside everything that needs none.
-volume_policies = network:pose_scores-$(1)-camera combined:pose_scores-$(1)-camera expected covariance farthest random constant oracle
+volume_policies = network:pose_scores-$(1)-camera combined:pose_scores-$(1)-camera combined_around:pose_scores-$(1)-camera \
+	expected expected_around covariance farthest random constant oracle
 
 volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume is chosen, on fresh boxes (hours; goes on where it was)
 	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) informed --out tables/volume $(ARGS)

@@ -25,7 +25,7 @@ _INDEPENDENT = 60.0
 """What all returns together are worth, in returns of independent error: boxes that explain a scan alike stay alike likely."""
 _SIDES = (0.05, 1.2)
 """Sides are drawn uniformly from these, metres; those of an open dimension end there, too."""
-_STEP = np.array([0.2] * 7)
+_STEP = 0.2
 """Moves of the six faces and of the heading, standard deviation, metres and radians."""
 _SCALES = 6
 """Every move is halved up to fewer times than this: a face that is seen has to keep its place to a few millimetres, and one that
