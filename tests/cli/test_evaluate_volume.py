@@ -189,6 +189,7 @@ def believed(case: VolumeCase, view: int, number: int) -> Scan:
         (["--policies", "farthest", "network:nowhere.onnx"], "nowhere.onnx: no such file"),
         (["--policies", "combined:nowhere.onnx"], "nowhere.onnx: no such file"),
         (["--side", "nan", "0.5"], "sides (nan, 0.5)"),
+        (["--rig", "paper4", "--policies", "farthest", "expected_around"], "rig paper4, whose stations look at a corner"),
         (["--distance", "inf"], "distance inf"),
         (["--elevation", "nan"], "elevation nan"),
         (["--estimator", "eye"], "estimator: got 'eye'"),

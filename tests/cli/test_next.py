@@ -11,7 +11,7 @@ import pytest
 from viewgain.camera import sensor
 from viewgain.cli import main
 from viewgain.cli._text import decider_in_words, decision_in_words
-from viewgain.plan import next_view
+from viewgain.plan import looked_at, next_view
 from viewgain.scans import read_scan, write_scan
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
@@ -249,16 +249,25 @@ def test_told_the_place_it_leads_away_from_a_wall_of_cardboard(wall: Path, capsy
     assert "stand at the place" in words
     plan = plan_of([*arguments, *PLACE], capsys)
     assert (plan["policy"], plan["stop"], plan["current"]["reason"]) == ("combined", False, "nothing_on_floor")
-    chosen = np.array(plan["candidates"][plan["best"]]["camera_to_current"])
-    middle = np.array([0.0, 0.0, 0.85])  # what the camera looks at
-    assert np.linalg.norm(chosen[:3, 3] - middle) > 1.2
+    middle = np.array([0.0, 0.0, 0.85])  # what the camera looks at: the carton's centre
+    poses = np.array([candidate["camera_to_current"] for candidate in plan["candidates"]])
+    target = looked_at(poses)
+    assert target is not None
+    assert np.linalg.norm(target - middle) < 0.15
+    assert np.linalg.norm(poses[plan["best"], :3, 3] - middle) > 1.4
     assert plan_of([*arguments, *PLACE], capsys) == plan
+
+
+def test_coverage_asks_for_an_object_on_a_floor_as_ever(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--objective", "coverage", "--policy", "network", "--rig", "pcnbv16"]
+    assert main(["next", str(wall / "wall.npz"), "--camera", "pico_flexx", *PLACE, *arguments]) == 3
+    assert "nothing_on_floor" in capsys.readouterr().err
 
 
 def test_a_place_that_makes_no_sense_is_refused_in_one_line(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for scan, more, words in (
-        ("wall", [*PLACE, "--place-sigma", "0"], "standard deviation of 0.0 m, wanted a positive length"),
-        ("wall", ["--place", "nan", "0", "0"], "wanted three finite numbers"),
+        ("wall", [*PLACE, "--place-sigma", "0"], "standard deviation of 0.0 m, wanted 0.0001 m or more"),
+        ("wall", ["--place", "nan", "0", "0"], "wanted three numbers of 10000 m at most"),
         ("unposed", PLACE, "without a pose, wanted camera_to_world"),
     ):
         assert main(["next", str(wall / f"{scan}.npz"), *more]) == 2

@@ -15,6 +15,7 @@ from viewgain.evaluation import (
     volume_markdown,
     volume_table,
 )
+from viewgain.evaluation._volume_choices import policy_of
 from viewgain.plan import looked_at
 
 SETTINGS = VolumeSettings(captures=6)
@@ -100,6 +101,14 @@ def test_a_rig_off_centre_is_about_a_point_beside_the_same_box() -> None:
             assert looked_at(np.stack([beside.scans.camera_to_world(view, 3) for view in range(4)])) == pytest.approx(
                 beside.box.centre + one
             )
+
+
+def test_who_is_told_of_a_centre_is_not_asked_where_the_rig_looks_at_a_corner() -> None:
+    case = volume_case(replace(SETTINGS, rig="paper4"), 0)
+    assert policy_of("expected", case).name == "expected"
+    for name in ("expected_around", "combined_around:pose_scores-irregular-camera"):
+        with pytest.raises(ConfigError, match="got rig paper4, whose stations look at a corner"):
+            policy_of(name, case)
 
 
 def test_a_rig_in_the_middle_goes_without_saying() -> None:

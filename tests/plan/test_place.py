@@ -52,9 +52,12 @@ def test_a_place_is_likeliest_in_its_middle_and_one_sigma_costs_a_half() -> None
     place = Place(np.array([1.0, 2.0, 3.0]), 0.2)
     odds = place.log_odds(np.array([[1.0, 2.0, 3.0], [1.2, 2.0, 3.0], [1.2, 2.2, 3.0]]))
     assert odds == pytest.approx([0.0, -0.5, -1.0])
-    for sigma in (0.0, -1.0, np.inf, np.nan):
-        with pytest.raises(ConfigError, match="wanted a positive length"):
+    for sigma in (0.0, -1.0, 1e-200, np.inf, np.nan):
+        with pytest.raises(ConfigError, match="m, wanted 0"):
             Place(np.zeros(3), sigma)
+    for centre in ((np.nan, 0, 0), (0, 1e200, 0), (0, 0)):
+        with pytest.raises(ConfigError, match="wanted three numbers of 10000 m at most"):
+            Place(np.array(centre), 0.1)
 
 
 def estimate_of(azimuth: float, elevation: float) -> tuple[BoxEstimate, np.ndarray]:
@@ -94,6 +97,14 @@ def test_a_place_farther_behind_the_front_makes_it_deeper_by_twice_as_much() -> 
     away = away * np.sign(away[2])
     near, far = (np.median(depths(estimate, Place(centre + step * away, 0.02))) for step in (0.0, 0.1))
     assert far - near == pytest.approx(0.2, abs=0.05)
+
+
+def test_a_box_that_stands_elsewhere_is_another_one() -> None:
+    """No length brings its centre to a place before its front, nor to one far behind it."""
+    estimate, centre = estimate_of(0, 11)
+    toward = -centre / np.linalg.norm(centre)
+    for step in (0.6, -1.5):
+        assert np.array_equal(depths(estimate, Place(centre + step * toward, 0.05)), depths(estimate, None))
 
 
 def test_what_was_measured_stays() -> None:

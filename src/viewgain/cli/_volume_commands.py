@@ -58,7 +58,8 @@ class EvaluateLoop(FreshBoxes):
     rig: str = "irregular4"
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     policies: tuple[str, ...] = ("covariance", "expected", "farthest", "ring", "random", "greedy", "oracle")
-    """Who chooses: covariance, expected, farthest, ring, random, greedy, oracle, network:FILE.onnx, combined:FILE.onnx."""
+    """Who chooses: covariance, expected, expected_around, farthest, ring, random, greedy, oracle, network:FILE.onnx,
+    combined:FILE.onnx, combined_around:FILE.onnx."""
     most_views: int = 4
     """Scans of each box, 2 or more; the oracle tries all sets of as many."""
     tolerance: float = 0.02

@@ -46,7 +46,8 @@ class LoopSettings:
     def to_dict(self) -> dict[str, Any]:
         """Return the question as plain values for JSON."""
         asked = self.boxes
-        return {
+        beside = {"off_centre": asked.off_centre} if asked.off_centre else {}
+        return beside | {
             "seed": asked.seed,
             "rig": asked.rig,
             "camera": asked.camera,

@@ -18,7 +18,7 @@ from viewgain.simulate import draw_range_error
 
 LEAST_CAPTURES = 2
 """Fewer scans of each position have no spread."""
-_CASE, _ASIDE = 0x7632, 0x7635
+_CASE, _ASIDE = 0x7632, 0x7636
 """Streams of boxes, and of where the rig's middle lies from them."""
 _TRIES = 1000
 

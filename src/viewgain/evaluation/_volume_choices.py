@@ -38,18 +38,16 @@ Maker = Callable[[DecisionCase], ViewPolicy]
 """Gives the policy that decides on a case."""
 DECIDING: Mapping[str, Maker] = {
     "expected": lambda case: _expected(case),
-    "expected_around": lambda case: _expected(case, AROUND),
+    "expected_around": lambda case: _expected(case, around_of(case.settings)),
     "covariance": lambda case: OnBelief(CovariancePolicy(POSE_SIGMA), case.camera),
     "farthest": lambda case: FarthestPolicy(),
 }
 """Policies by name, but for networks: ``expected`` goes by the expected error, which is what is scored, ``expected_around`` too,
 and is told that the rig was put up around the box; ``covariance`` goes by the certainty after fusing, ``farthest`` by the way
 from the present position."""
-BESIDE: Mapping[str, float | None] = {"combined": None, "combined_around": AROUND}
-"""Policies that are named with a network's file in which minus the expected error has a say, and what they are told of the place:
-nothing, as ``expected``, or to what the rig's middle is the box's, as ``expected_around``."""
-FROM_FILE = ("network", *BESIDE)
-"""Policies that are named with a file, ``network:FILE.onnx``."""
+FROM_FILE = ("network", "combined", "combined_around")
+"""Policies that are named with a file, ``network:FILE.onnx``: by its scores alone, or with a say for ``expected``
+or ``expected_around``."""
 
 
 def check_volume_policies(names: tuple[str, ...]) -> None:
@@ -81,17 +79,39 @@ def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
 
     Raises:
         ModelError: If its network cannot be used.
-        ConfigError: If a network of one rig is asked about another.
+        ConfigError: If a network of one rig is asked about another, or a policy is told that a rig stands around a centre which
+            does not.
     """
     if name in DECIDING:
         return DECIDING[name](case)
     network = network_of(name, case.settings)
-    kind = name.partition(":")[0]
-    return CombinedPolicy(_expected(case, BESIDE[kind]), network) if kind in BESIDE else network
+    if name.startswith("network:"):
+        return network
+    return CombinedPolicy(_expected(case, around_of(case.settings) if is_told(name) else None), network)
 
 
 def _expected(case: DecisionCase, around: float | None = None) -> OnBelief[ExpectedErrorPolicy]:
     return OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera, around=around)
+
+
+def is_told(name: str) -> bool:
+    """Return whether a policy is told that the rig was put up around the box."""
+    return name.partition(":")[0] in ("expected_around", "combined_around")
+
+
+def around_of(settings: Question) -> float:
+    """Return how far the point that the stations look at may be from the centre of what they stand around.
+
+    Raises:
+        ConfigError: If they look at something else.
+    """
+    rig = settings.stations()
+    if any(station.corner is not None for station in rig.stations):
+        raise ConfigError(
+            f"policies expected_around, combined_around: got rig {rig.name}, whose stations look at a corner, wanted one around a"
+            " centre; take expected, combined"
+        )
+    return AROUND
 
 
 def network_of(name: str, settings: Question) -> ViewPolicy:

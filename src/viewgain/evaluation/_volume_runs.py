@@ -10,7 +10,7 @@ from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file,
 from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim
 from viewgain.evaluation._volume_case import VolumeSettings, volume_case
-from viewgain.evaluation._volume_choices import DECIDING, INFORMED, is_from_file, network_of, policy_of
+from viewgain.evaluation._volume_choices import DECIDING, INFORMED, around_of, is_from_file, is_told, network_of, policy_of
 from viewgain.evaluation._volume_confidence import opinions_of
 from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
@@ -87,6 +87,8 @@ def run_boxes(
     deciding = tuple(name for name in policies if name in DECIDING or is_from_file(name))
     for name in filter(is_from_file, deciding):
         network_of(name, settings)  # a wrong file is said before the first box, which takes its time
+    if any(map(is_told, deciding)):
+        around_of(settings)  # and so is a wrong rig
     if folder is not None:
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
     tasks = [

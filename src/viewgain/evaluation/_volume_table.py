@@ -72,7 +72,7 @@ class VolumeTable:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the table as plain values for JSON."""
-        return {"columns": list(JUDGED), **finite(dataclasses.asdict(self))}
+        return {"columns": list(JUDGED), **finite({**dataclasses.asdict(self), "settings": self.settings.to_dict()})}
 
 
 def volume_table(settings: VolumeSettings, runs: Sequence[VolumeRun], policies: Sequence[str]) -> VolumeTable:

@@ -5,7 +5,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from viewgain.arrays import Poses, Vector
+from viewgain.arrays import Pose, Poses, Vector
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure
@@ -80,11 +80,14 @@ class OnBelief(Generic[PolicyT]):
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) scores; NaN where nothing is believed, or no scan showed anything."""
         known = self.measuring(seen)
-        belief = self.belief(known)
+        return self.scored(self.belief(known), known)
+
+    def scored(self, belief: Belief | None, known: Seen) -> Vector:
+        """Return the same from what is believed after :meth:`measuring`."""
         here = None if known.measured is None else known.measured.camera_to_world
         if belief is None or here is None:
-            return np.full(len(seen.candidates), np.nan)
-        assessed = self.policy.assess(belief, inverse(here) @ seen.candidates, self.tolerance)
+            return np.full(len(known.candidates), np.nan)
+        assessed = self.policy.assess(belief, inverse(here) @ known.candidates, self.tolerance)
         return np.array([assessment.score for assessment in assessed])
 
     def measuring(self, seen: Seen) -> Seen:
@@ -99,9 +102,17 @@ class OnBelief(Generic[PolicyT]):
             return None
         here = seen.measured.camera_to_world
         place = None if self.around is None or here is None else place_amid(inverse(here) @ seen.candidates, self.around)
-        return believe(seen.measured, self.sensor, place, seen.scans[-1] if seen.scans else None)
+        return believe(seen.measured, self.sensor, place, _taken_at(here, seen.scans))
 
     def _measured(self, scans: list[Scan]) -> Measurement:
         if len(scans) == 1:
             return measure(scans[0], camera=self.sensor)
         return fuse(scans, camera=self.sensor, pose_sigma=self.pose_sigma)
+
+
+def _taken_at(here: Pose | None, scans: tuple[Scan, ...]) -> Scan | None:
+    """Return the last scan of a pose; what was measured last need not be what was taken last."""
+    if here is None:
+        return None
+    posed = (scan for scan in reversed(scans) if scan.camera_to_world is not None and np.array_equal(scan.camera_to_world, here))
+    return next(posed, None)

@@ -33,9 +33,15 @@ def target_of(belief: Belief) -> Target:
 
 
 def reachable_of(poses: Poses, belief: Belief, stations: Rig, camera_to_world: Pose | None) -> tuple[bool, ...]:
-    """Return which candidates the rig and the camera's least range allow, next to what has been seen: the smallest box."""
-    seen = belief.boxes[0]  # its own frame has its floor at z = 0
+    """Return which candidates the rig and the camera's least range allow, next to what has been seen: the smallest box.
+
+    Of boxes that are only guessed at none is sure to be there and none sure not to be: a candidate keeps away from all of them.
+    """
     limits = replace(stations, min_distance=max(stations.min_distance, belief.sensor.range_min))
-    world = None if camera_to_world is None else camera_to_world @ seen.box_to_camera
-    cameras = inverse(seen.box_to_camera) @ poses
-    return tuple(reason is None for reason in refusals(limits, cameras, Target(np.eye(4), seen.extents), floor_to_world=world))
+    allowed = np.ones(len(poses), dtype=bool)
+    for box in belief.boxes if belief.glimpsed else belief.boxes[:1]:  # its own frame has its floor at z = 0
+        world = None if camera_to_world is None else camera_to_world @ box.box_to_camera
+        cameras = inverse(box.box_to_camera) @ poses
+        reasons = refusals(limits, cameras, Target(np.eye(4), box.extents), floor_to_world=world)
+        allowed &= [reason is None for reason in reasons]
+    return tuple(allowed.tolist())

@@ -5,6 +5,7 @@ face held still; where somebody says about where the box stands, over what of it
 the blob's size, known to a third of it. Where nothing was measured, a place and the scan still leave some boxes.
 """
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -13,7 +14,7 @@ from viewgain.arrays import Array, Indices, Pose, Vector
 from viewgain.box import PARAMETERS, Box
 from viewgain.camera import Sensor
 from viewgain.geometry import floor_to_camera, pose
-from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, SYSTEMATIC, BoxEstimate, Knowledge, Measurement, Rejected
+from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, SYSTEMATIC, BoxEstimate, Knowledge, Measurement, Rejected, range_image
 from viewgain.plan._belief import Belief
 from viewgain.plan._place import Place
 from viewgain.plan._possible_boxes import possible_boxes
@@ -23,6 +24,8 @@ SPREAD = (1, 5, 3, 2)
 """Number of boxes that stand for each open dimension, by how many are open."""
 FINE = (1, 40, 12, 6)
 """The same where the place of the box says which of them are likely, before as many as above are kept."""
+ELSEWHERE = -8.0
+"""Log odds of a centre four standard deviations from the place: a box that comes no nearer stands elsewhere."""
 GLIMPSED = 9
 """Number of boxes that stand for a scan in which nothing was measured."""
 _FILTER_SEED = 0
@@ -62,15 +65,16 @@ def belief_from(estimate: BoxEstimate, place: Place | None = None) -> Belief:
     Args:
         estimate: The measured box.
         place: Where a box stands, in the estimate's frame; None where nobody knows. It chooses among the lengths of open
-            dimensions, and moves nothing that was measured.
+            dimensions, and moves nothing that was measured. A box that would stand far from it whatever its length is another
+            one, of which it says nothing.
     """
-    count = SPREAD[int(np.sum(estimate.is_open))]
-    if place is None or not any(estimate.is_open):
-        boxes = _spread(estimate, count)
-    else:
-        fine = _spread(estimate, FINE[int(np.sum(estimate.is_open))])
+    missing = int(np.sum(estimate.is_open))
+    boxes = _spread(estimate, SPREAD[missing])
+    if place is not None and missing:
+        fine = _spread(estimate, FINE[missing])
         odds = place.log_odds(np.array([box.centre for box in fine]))
-        boxes = [fine[index] for index in _quantiles(odds, count ** int(np.sum(estimate.is_open)))]
+        if odds.max() >= ELSEWHERE:
+            boxes = [fine[index] for index in _quantiles(odds, len(boxes))]
     view = estimate.views[0]
     return Belief(tuple(boxes), estimate.knowledge, view.sensor, view.noise, not any(estimate.is_open))
 
@@ -114,7 +118,8 @@ def belief_from_glimpse(scan: Scan, camera_to_world: Pose, place: Place, sensor:
     """
     boxes = possible_boxes(scan.points, camera_to_world[2, :3], place, GLIMPSED, rng=np.random.default_rng(_FILTER_SEED))
     extents = np.mean([box.extents for box in boxes], axis=0)
-    return Belief(boxes, _known_to_a_third(extents), sensor, 1.0, bounded=False, guessed=True, glimpsed=True)
+    here = replace(sensor, intrinsics=range_image(scan).whole_camera())
+    return Belief(boxes, _known_to_a_third(extents, height=3 / extents[2]), here, 1.0, bounded=False, guessed=True, glimpsed=True)
 
 
 def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Belief:
@@ -130,7 +135,7 @@ def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Be
     return Belief((box,), _known_to_a_third(extents), sensor, current.floor.noise, bounded=False, guessed=True)
 
 
-def _known_to_a_third(extents: Array) -> Knowledge:
-    """Return knowledge of a box that nothing measured: its sides to a third, its place and heading a little worse."""
-    third = np.concatenate([np.full(2, 50.0), [0.5], np.repeat(3 / extents.mean(), 2), [20.0], 3 / extents]) ** 2
+def _known_to_a_third(extents: Array, height: float = 20.0) -> Knowledge:
+    """Return knowledge of a box that nothing measured: sides and place to a third, the floor's height to 1 / ``height``."""
+    third = np.concatenate([np.full(2, 50.0), [0.5], np.repeat(3 / extents.mean(), 2), [height], 3 / extents]) ** 2
     return Knowledge(np.diag(third), np.zeros((PARAMETERS, SYSTEMATIC)))

@@ -62,10 +62,11 @@ def next_view(
         place: Where the box's centre is known to be before looking, in the world of the last scan's pose (z up); None where
             nobody knows. It chooses among the lengths of dimensions that are open, and among boxes that explain a last scan in
             which nothing can be measured; what is measured it does not change.
-        scan: The last scan, where ``current`` is a measurement and there is a place.
+        scan: The last scan, where ``current`` is a measurement and there is a place. Without it, or with one of another pose,
+            nothing is made of a scan in which nothing could be measured, and neither for another objective than the volume.
 
     Returns:
-        The ranking; with no candidates and a reason if there is no floor or nothing on it, and no place.
+        The ranking; with no candidates and a reason if there is no floor or nothing on it, and no place and scan.
 
     Raises:
         ConfigError: If rig, objective, tolerance, confidence or judge make no sense, if the last of several scans without poses
@@ -83,7 +84,8 @@ def next_view(
     decider = policy or CovariancePolicy(pose_sigma)
     measured = _measured(current, camera, pose_sigma)
     _require_standpoint(measured)
-    believed = believe(measured, sensor_of(camera), _before_the_camera(place, measured), scan or _last(current))
+    glimpse = _last(current, scan, measured) if objective == "volume" else None
+    believed = believe(measured, sensor_of(camera), _before_the_camera(place, measured), glimpse)
     nothing = NextView(
         rig=stations.name,
         policy=decider.name,
@@ -162,10 +164,11 @@ def _measured(
     return fuse(current, camera=camera, pose_sigma=pose_sigma)
 
 
-def _last(current: Scan | list[Scan] | Measurement) -> Scan | None:
-    if isinstance(current, Measurement):
-        return None
-    return current if isinstance(current, Scan) else current[-1]
+def _last(current: Scan | list[Scan] | Measurement, scan: Scan | None, measured: Measurement) -> Scan | None:
+    """Return the scan whose camera the measurement stands in, if it is at hand."""
+    last = scan if isinstance(current, Measurement) else current if isinstance(current, Scan) else current[-1]
+    here, there = measured.camera_to_world, None if last is None else last.camera_to_world
+    return last if here is not None and there is not None and np.array_equal(here, there) else None
 
 
 def _before_the_camera(place: Place | None, measured: Measurement) -> Place | None:

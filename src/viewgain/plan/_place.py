@@ -1,7 +1,7 @@
 """Where the box stands, as far as the rig says: whoever put up a rig put it up around something (ours).
 
-All stations of a rig look at one point. If they were put up around the box, that point is the box's centre, about; half of a side
-that no scan shows lies between it and the face that is seen.
+The stations of most rigs look at one point. If they were put up around the box, that point is the box's centre, about; half of a
+side that no scan shows lies between it and the face that is seen.
 """
 
 from dataclasses import dataclass
@@ -14,6 +14,8 @@ from viewgain.geometry import transform
 
 AROUND = 0.1
 """How exactly a box stands in the middle of a rig that is put up around it, standard deviation per axis, metres."""
+LEAST_SIGMA, FARTHEST = 1e-4, 1e4
+"""No place is known better, and none is farther from the origin, metres."""
 MOST_APART = 0.05
 """Optical axes that pass the point farther than this on the average, metres, do not look at it."""
 _ACROSS = np.sin(np.deg2rad(5.0)) ** 2
@@ -31,10 +33,10 @@ class Place:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", np.asarray(self.centre, dtype=float))
-        if self.centre.shape != (3,) or not np.isfinite(self.centre).all():
-            raise ConfigError(f"place: got a centre of {self.centre.tolist()}, wanted three finite numbers")
-        if not 0 < self.sigma < np.inf:
-            raise ConfigError(f"place: got a standard deviation of {self.sigma} m, wanted a positive length")
+        if self.centre.shape != (3,) or not (np.abs(self.centre) <= FARTHEST).all():
+            raise ConfigError(f"place: got a centre of {self.centre.tolist()}, wanted three numbers of {FARTHEST:g} m at most")
+        if not LEAST_SIGMA <= self.sigma < np.inf:
+            raise ConfigError(f"place: got a standard deviation of {self.sigma} m, wanted {LEAST_SIGMA:g} m or more")
 
     def in_frame(self, frame_to_other: Pose) -> "Place":
         """Return the same place in another frame."""
@@ -42,7 +44,7 @@ class Place:
 
     def log_odds(self, centres: Points) -> Vector:
         """Return (n,) log densities of (n, 3) centres, up to a constant."""
-        return np.asarray(-0.5 * np.sum((centres - self.centre) ** 2, axis=1) / self.sigma**2)
+        return np.asarray(-0.5 * np.sum(((centres - self.centre) / self.sigma) ** 2, axis=1))
 
 
 def place_amid(cameras: Poses, sigma: float) -> Place | None:

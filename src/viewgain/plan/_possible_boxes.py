@@ -1,11 +1,14 @@
-"""The boxes that could have made a scan in which nothing could be measured, by a particle filter (ours).
+"""The boxes that could have made a scan in which nothing could be measured, by a sequential Monte Carlo sampler (ours).
 
-Sequential importance resampling in the sense of Gordon, Salmond and Smith 1993, annealed: boxes are drawn around the place where
-one stands, weighted by how well each explains the ranges of some returns, resampled, moved a little, and weighted again with a
-smaller tolerance. Floor, border and edges need not be seen: a wall of cardboard that fills the image is explained by large boxes.
+In the sense of Del Moral, Doucet and Jasra 2006: boxes are drawn around the place where one stands, and weighted by how well each
+explains the ranges of some returns, to 30 cm at first and to 4 cm in the end. After each step they are resampled, and then moved
+a face at a time by Metropolis's rule, so that they stay what place and scan together say. Floor, border and edges need not be
+seen: a wall of cardboard that fills the image is explained by large boxes.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -15,10 +18,11 @@ from viewgain.geometry import Plane, floor_to_camera, pose, transform
 from viewgain.plan._place import Place
 
 PARTICLES, KEPT, RETURNS = 3000, 500, 160
-"""Boxes drawn at first, boxes that go on in each round, and returns that each has to explain."""
-TOLERANCES = (0.3, 0.15, 0.08, *[0.04] * 20)
-"""Range error that counts as one, metres, round by round: warm at first, so that more than a lucky few go on, then as long as
-faces that nobody sees take to spread."""
+"""Boxes drawn at first, boxes that go on, and returns that each has to explain."""
+TOLERANCES = (0.3, 0.15, 0.08, 0.04)
+"""Range error that counts as one, metres, step by step: warm at first, so that more than a lucky few go on."""
+MOVES = 12
+"""Moves that every box may make after each step; it takes some for the faces that nobody sees to spread."""
 _MOST_WRONG = 4.0
 """A range that is farther off, in tolerances, is just wrong: something else, or a mixed pixel."""
 _INDEPENDENT = 60.0
@@ -45,7 +49,7 @@ class _Returns:
 
 
 def possible_boxes(points: Points, up: Vector3, place: Place, count: int, *, rng: np.random.Generator) -> tuple[Box, ...]:
-    """Return ``count`` equally likely boxes that explain a scan, the smallest first; about a tenth of a second.
+    """Return ``count`` equally likely boxes that explain a scan, at quantiles of their volume; about a tenth of a second.
 
     Args:
         points: (n, 3) points of the scan, camera frame, metres, finite; one or more.
@@ -58,14 +62,14 @@ def possible_boxes(points: Points, up: Vector3, place: Place, count: int, *, rng
     local = points[rng.choice(len(points), min(RETURNS, len(points)), replace=False)] @ upright
     ranges = np.linalg.norm(local, axis=1)
     seen, stands = _Returns(local / ranges[:, None], ranges), Place(upright.T @ place.centre, place.sigma)
-    drawn = _drawn(stands, rng)
-    boxes = drawn[_resampled(_explained(drawn, seen, TOLERANCES[0]), rng)]
-    for tolerance in TOLERANCES[1:]:
-        tried = np.concatenate([boxes, _moved(boxes, rng)])
-        boxes = tried[_resampled(_explained(tried, seen, tolerance) + _prior(tried, stands), rng)]
-    some = boxes[rng.choice(KEPT, count, replace=False)]
-    found = [_box(row, upright) for row in some]
-    return tuple(sorted(found, key=lambda box: box.volume))
+    boxes = _drawn(stands, rng)
+    told = np.zeros(len(boxes))  # log likelihood that the boxes are already chosen by
+    for tolerance in TOLERANCES:
+        kept = _resampled(_explained(boxes, seen, tolerance) - told, rng)
+        boxes = _metropolis(boxes[kept], partial(_odds, seen=seen, tolerance=tolerance, place=stands), rng)
+        told = _explained(boxes, seen, tolerance)
+    by_volume = boxes[np.argsort(boxes[:, :3].prod(axis=1))]
+    return tuple(_box(row, upright) for row in by_volume[((np.arange(count) + 0.5) / count * KEPT).astype(int)])
 
 
 def _drawn(place: Place, rng: np.random.Generator) -> Array:
@@ -74,9 +78,10 @@ def _drawn(place: Place, rng: np.random.Generator) -> Array:
     return np.hstack([sides, heading, place.centre + rng.normal(0.0, place.sigma, (PARTICLES, 3))])
 
 
-def _prior(boxes: Array, place: Place) -> Vector:
+def _odds(boxes: Array, seen: _Returns, tolerance: float, place: Place) -> Vector:
+    """Return (n,) log densities of boxes given place and scan, up to a constant."""
     allowed = ((boxes[:, :3] >= _SIDES[0]) & (boxes[:, :3] <= _SIDES[1])).all(axis=1)
-    return np.where(allowed, place.log_odds(boxes[:, 4:]), -np.inf)
+    return np.where(allowed, _explained(boxes, seen, tolerance) + place.log_odds(boxes[:, 4:]), -np.inf)
 
 
 def _explained(boxes: Array, seen: _Returns, tolerance: float) -> Vector:
@@ -111,8 +116,19 @@ def expected_ranges(boxes: Array, directions: Points) -> Array:
     return np.asarray(np.minimum(ranges, _FARTHEST))
 
 
+def _metropolis(boxes: Array, odds_of: Callable[[Array], Vector], rng: np.random.Generator) -> Array:
+    """Return boxes after ``MOVES`` moves, each taken with the chance that the log odds there and here leave it."""
+    odds = odds_of(boxes)
+    for _ in range(MOVES):
+        tried = _moved(boxes, rng)
+        there = odds_of(tried)
+        taken = np.log(rng.random(len(boxes))) < there - odds
+        boxes, odds = np.where(taken[:, None], tried, boxes), np.where(taken, there, odds)
+    return boxes
+
+
 def _moved(boxes: Array, rng: np.random.Generator) -> Array:
-    """Return boxes with each face moved along its normal, and each box turned a little about its centre."""
+    """Return boxes with one face of each moved along its normal, or the box turned a little about its centre."""
     moves = rng.normal(size=(len(boxes), 7)) * _STEP / 2.0 ** rng.integers(_SCALES, size=(len(boxes), 7))
     moves *= rng.integers(7, size=len(boxes))[:, None] == np.arange(7)
     low, high, turn = moves[:, :3], moves[:, 3:6], moves[:, 6]

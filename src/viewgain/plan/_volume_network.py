@@ -42,7 +42,7 @@ class VolumeNetworkPolicy:
 
 
 def trust(belief: Belief | None, *, fused: bool) -> float:
-    """Return the weight of the model beside a network: most of it where a box was measured, none where it is guessed or missing.
+    """Return the weight of the model beside a network: most of it where a box is known, none where a blob is or nothing.
 
     The model is exact about a box that it knows. Of what may stand behind a scan, and of scans without a volume, the network has
     seen more; where nothing could be measured it alone knows something. Together with a scan that bounds the box no candidate is
@@ -61,7 +61,7 @@ def trust(belief: Belief | None, *, fused: bool) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CombinedPolicy:
-    """The model where the box is measured, with a say for the network, and the network alone where it is not (:func:`trust`).
+    """The model where a box is known, with a say for the network, and the network alone where none is (:func:`trust`).
 
     Both score in the same unit up to a constant: by minus the expected relative error.
     """
@@ -79,7 +79,10 @@ class CombinedPolicy:
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) weighted means; where one of the two has no opinion the other's, NaN where neither has."""
         known = self.model.measuring(seen)
-        return weighted(self.model.scores(known), self.network.scores(known), self.trust(known))
+        belief = self.model.belief(known)
+        return weighted(
+            self.model.scored(belief, known), self.network.scores(known), trust(belief, fused=self.model.policy.fused)
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
