@@ -8,6 +8,7 @@ import pytest
 from viewgain.errors import ConfigError, DataError
 from viewgain.evaluation import (
     Choice,
+    LoopSettings,
     VolumeRun,
     VolumeSettings,
     check_volume_policies,
@@ -113,8 +114,14 @@ def test_who_is_told_of_a_centre_is_not_asked_where_the_rig_looks_at_a_corner() 
 
 def test_a_rig_in_the_middle_goes_without_saying() -> None:
     """Results of before the question could be asked are answers to it still."""
-    assert "off_centre" not in SETTINGS.to_dict()
-    assert replace(SETTINGS, off_centre=0.1).to_dict() == {**SETTINGS.to_dict(), "off_centre": 0.1}
+    runs = [run_of(number, 1, chosen=1) for number in range(3)]
+    for asked in (SETTINGS, replace(SETTINGS, off_centre=0.1)):
+        told = {
+            "question": asked.to_dict(),
+            "table": volume_table(asked, runs, POLICIES).to_dict()["settings"],
+            "loop": LoopSettings(boxes=replace(asked, fused=True)).to_dict(),
+        }
+        assert {name: each.get("off_centre") for name, each in told.items()} == dict.fromkeys(told, asked.off_centre or None)
 
 
 @pytest.mark.parametrize(
