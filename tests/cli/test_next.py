@@ -255,7 +255,7 @@ def test_told_the_place_it_leads_away_from_a_wall_of_cardboard(wall: Path, capsy
     assert target is not None
     assert (
         np.linalg.norm(target - middle) < 0.3
-    )  # the place is known to 10 cm per axis; taken in the camera's frame it is 0.6 m off
+    )  # known to 10 cm per axis; a place in the camera's frame is 0.6 m off
     assert np.linalg.norm(poses[plan["best"], :3, 3] - middle) > 1.4
     assert plan_of([*arguments, *PLACE], capsys) == plan
 
