@@ -253,9 +253,7 @@ def test_told_the_place_it_leads_away_from_a_wall_of_cardboard(wall: Path, capsy
     poses = np.array([candidate["camera_to_current"] for candidate in plan["candidates"]])
     target = looked_at(poses)
     assert target is not None
-    assert (
-        np.linalg.norm(target - middle) < 0.3
-    )  # known to 10 cm per axis; a place in the camera's frame is 0.6 m off
+    assert np.linalg.norm(target - middle) < 0.3  # known to 10 cm per axis; a place in the camera's frame is 0.6 m off
     assert np.linalg.norm(poses[plan["best"], :3, 3] - middle) > 1.4
     assert plan_of([*arguments, *PLACE], capsys) == plan
 
