@@ -10,8 +10,9 @@ import pytest
 
 from viewgain.camera import sensor
 from viewgain.cli import main
+from viewgain.cli._commands import Next
 from viewgain.cli._text import decider_in_words, decision_in_words
-from viewgain.plan import looked_at, next_view
+from viewgain.plan import AROUND, looked_at, next_view
 from viewgain.scans import read_scan, write_scan
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
@@ -234,6 +235,10 @@ def wall(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_scan(scan, folder / "wall.npz")
     write_scan(replace(scan, camera_to_world=None), folder / "unposed.npz")
     return folder
+
+
+def test_a_place_is_as_exact_for_the_command_as_for_the_policies() -> None:
+    assert Next(scans=()).place_sigma == AROUND
 
 
 PLACE = ["--place", "0.05", "-0.05", "0.3"]

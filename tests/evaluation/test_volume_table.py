@@ -16,7 +16,9 @@ from viewgain.evaluation import (
     volume_markdown,
     volume_table,
 )
+from viewgain.evaluation._volume_case import _ASIDE, _CASE
 from viewgain.evaluation._volume_choices import policy_of
+from viewgain.evaluation._volume_errors import _OTHERS
 from viewgain.plan import looked_at
 
 SETTINGS = VolumeSettings(captures=6)
@@ -102,6 +104,10 @@ def test_a_rig_off_centre_is_about_a_point_beside_the_same_box() -> None:
             assert looked_at(np.stack([beside.scans.camera_to_world(view, 3) for view in range(4)])) == pytest.approx(
                 beside.box.centre + one
             )
+
+
+def test_where_the_rig_stands_is_drawn_from_numbers_of_its_own() -> None:
+    assert len({_CASE, _ASIDE, _OTHERS}) == 3
 
 
 def test_who_is_told_of_a_centre_is_not_asked_where_the_rig_looks_at_a_corner() -> None:

@@ -292,6 +292,8 @@ def test_a_place_says_how_deep_a_box_is_of_which_only_the_front_is_seen() -> Non
     anywhere, placed = (next_view(scan, camera=CAMERA, place=place) for place in (None, Place(box.centre, 0.02)))
     assert "open" in placed.current.boxes[0].flags
     assert np.linalg.norm(placed.target - true) < 0.03 < np.linalg.norm(anywhere.target - true)
+    measured = measure(scan, camera=CAMERA)
+    assert next_view(measured, camera=CAMERA, place=Place(box.centre, 0.02)).best == placed.best
     with pytest.raises(ConfigError, match="without a pose, wanted camera_to_world"):
         next_view(replace(scan, camera_to_world=None), camera=CAMERA, place=Place(box.centre, 0.02))
 

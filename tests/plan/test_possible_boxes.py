@@ -13,6 +13,7 @@ from viewgain.camera import sensor
 from viewgain.geometry import inverse
 from viewgain.measure import measure
 from viewgain.plan import CombinedPolicy, ExpectedErrorPolicy, FarthestPolicy, OnBelief, Place, Seen, trust
+from viewgain.plan._around import reachable_of
 from viewgain.plan._possible_boxes import expected_ranges, possible_boxes
 from viewgain.rigs import Target, poses, rig
 from viewgain.scans import Scan
@@ -172,6 +173,31 @@ def test_boxes_are_seen_with_the_camera_that_took_the_scan(scan: Scan) -> None:
     assert belief is not None
     assert belief.sensor.intrinsics.width == CAMERA.intrinsics.width
     assert belief.sensor.name == "kinect_v2"
+
+
+def test_a_candidate_keeps_away_from_every_box_that_may_be_there(scan: Scan) -> None:
+    """Of measured boxes the smallest is in the way; of guessed ones any may be."""
+    model = OnBelief(ExpectedErrorPolicy(), CAMERA, around=0.1)
+    belief = model.belief(model.measuring(seen_from(scan)))
+    assert belief is not None
+    assert scan.camera_to_world is not None
+    small = Box(belief.boxes[0].box_to_camera, np.full(3, 0.1))
+    large = Box(belief.boxes[0].box_to_camera, np.array([2.6, 2.6, 1.4]))
+    known = replace(belief, boxes=(small, large))
+    there = inverse(scan.camera_to_world) @ STATIONS
+    for glimpsed, allowed in ((False, True), (True, False)):
+        reached = reachable_of(there, replace(known, glimpsed=glimpsed), rig("irregular4"), scan.camera_to_world)
+        assert reached == (allowed,) * 4
+
+
+def test_nobody_saw_the_floor_of_a_guessed_box(scan: Scan) -> None:
+    """A blob stands on a floor that was measured; how high this one's floor is, is known no better than how high the box is."""
+    model = OnBelief(ExpectedErrorPolicy(), CAMERA, around=0.1)
+    belief = model.belief(model.measuring(seen_from(scan)))
+    assert belief is not None
+    sigma = 1 / np.sqrt(np.diag(belief.knowledge.information))
+    assert sigma[5] == pytest.approx(sigma[8])
+    assert sigma[8] == pytest.approx(np.mean([box.extents[2] for box in belief.boxes]) / 3)
 
 
 def test_a_box_that_is_measured_is_planned_for_as_without_a_place() -> None:

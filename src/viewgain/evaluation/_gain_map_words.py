@@ -5,6 +5,7 @@ import numpy as np
 from viewgain.evaluation._gain_map import GainMap, PolicyMap
 from viewgain.evaluation._map_values import Meaning
 from viewgain.evaluation._position_scores import best_positions
+from viewgain.evaluation._volume_words import off_centre_in_words
 
 MEANINGS: dict[Meaning, str] = {
     "error": "expected volume error",
@@ -26,12 +27,12 @@ def gain_map_markdown(drawn: GainMap) -> str:
     lines = ["| " + " | ".join(cells) + " |" for cells in (_HEADER, ["---"] * len(_HEADER), *rows)]
     sides = " x ".join(f"{side:.3f}" for side in drawn.case.box.extents)
     what = "fused with the present scan" if asked.fused else "alone"
-    beside = f", the rig's middle {100 * asked.off_centre:g} cm per axis off the box's centre" if asked.off_centre else ""
     return "\n".join([
         f"## What each position is worth: box {drawn.case.number} of seed {asked.seed}, {sides} m, rig {asked.rig}",
         "",
-        f"Yaw {np.rad2deg(drawn.yaw):.0f}°, camera {asked.camera}, estimator {asked.estimator}, each scan {what}{beside}. Volume"
-        f" error: its size, a miss counts as 100 %. {int(truth.allowed.sum())} of {len(truth.allowed)} positions can be reached,"
+        f"Yaw {np.rad2deg(drawn.yaw):.0f}°, camera {asked.camera}, estimator {asked.estimator}, each scan {what}"
+        f"{off_centre_in_words(asked)}. Volume error: its size, a miss counts as 100 %."
+        f" {int(truth.allowed.sum())} of {len(truth.allowed)} positions can be reached,"
         f" {int(best_positions(truth).sum())} of them count as best (within two standard errors of the least). Policies decide on"
         f" one scan from position {position_in_words(drawn, drawn.case.present)}.",
         "",

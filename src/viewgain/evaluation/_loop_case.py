@@ -18,6 +18,8 @@ Positions = tuple[int, ...]
 """Where scans were taken, in order; the first is where the camera stood at the beginning."""
 _Visits = tuple[tuple[int, int], ...]
 """Scans: position and number of the visit to it, from 0 on."""
+_OF_BOXES = ("seed", "rig", "camera", "side", "distance", "elevation_deg", "off_centre")
+"""What of the question about boxes the loop depends on."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,15 +47,9 @@ class LoopSettings:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the question as plain values for JSON."""
-        asked = self.boxes
-        beside = {"off_centre": asked.off_centre} if asked.off_centre else {}
-        return beside | {
-            "seed": asked.seed,
-            "rig": asked.rig,
-            "camera": asked.camera,
-            "side": list(asked.side),
-            "distance": asked.distance,
-            "elevation_deg": asked.elevation_deg,
+        asked = self.boxes.to_dict()
+        return {
+            **{name: asked[name] for name in _OF_BOXES if name in asked},
             "most_views": self.most_views,
             "tolerance": self.tolerance,
             "confidence": self.confidence,

@@ -38,7 +38,7 @@ def valued(policy: ViewPolicy, seen: Seen) -> Valued:
         known = policy.model.measuring(seen)
         one, two = valued(policy.model, known), valued(policy.network, known)
         if one.meaning == two.meaning:  # policies of one unit up to a constant, which is gone here
-            return Valued(weighted(one.values, two.values, policy.trust(known)), one.meaning)
+            return Valued(weighted(one.values, two.values, policy.trust(policy.model.belief(known))), one.meaning)
     scores = policy.scores(seen)
     asked = policy.policy if isinstance(policy, OnBelief) else policy
     if isinstance(asked, ExpectedErrorPolicy):

@@ -125,12 +125,12 @@ def volume_case(settings: VolumeSettings, number: int) -> VolumeCase:
     Raises:
         ConfigError: If no box of 1,000 leaves two positions.
     """
-    rng, beside = (np.random.default_rng([settings.seed, stream, number]) for stream in (_CASE, _ASIDE))
+    rng, rng_aside = (np.random.default_rng([settings.seed, stream, number]) for stream in (_CASE, _ASIDE))
     stations, camera = settings.stations(), sensor(settings.camera)
     ranges = SceneRanges(extent=settings.side, yaw_deg=(0.0, 360.0))
     for _ in range(_TRIES):
         box = random_box(rng, ranges)
-        target, aside = Target(box.box_to_camera, box.extents), settings.off_centre * beside.normal(size=3)
+        target, aside = Target(box.box_to_camera, box.extents), settings.off_centre * rng_aside.normal(size=3)
         elevation = float(np.deg2rad(settings.elevation_deg))
         cameras = poses(stations, target.shifted(aside), elevation=elevation, distance=settings.distance)
         limits = replace(stations, min_distance=max(stations.min_distance, camera.range_min))

@@ -5,6 +5,7 @@ from viewgain.evaluation._markdown import markdown_table
 from viewgain.evaluation._quantity import Quantity
 from viewgain.evaluation._risk import KEPT
 from viewgain.evaluation._selective_words import selective_markdown
+from viewgain.evaluation._volume_case import VolumeSettings
 from viewgain.evaluation._volume_table import VolumeTable
 
 _HEADER = ("", "best position, %", "of the ceiling", "within 2 points, %", "mean error, %", "to the oracle's", "undecided", "ms")
@@ -42,12 +43,11 @@ def _risks(table: VolumeTable) -> list[str]:
 def _heading(table: VolumeTable) -> list[str]:
     asked = table.settings
     what = "fused with the present scan" if asked.fused else "alone"
-    beside = f", the rig's middle {100 * asked.off_centre:g} cm per axis off the box's centre" if asked.off_centre else ""
     return [
         f"## Next best view for volume: {table.boxes} fresh boxes of seed {asked.seed}, rig {asked.rig}, camera {asked.camera}",
         "",
-        f"Sides {asked.side[0]:g} to {asked.side[1]:g} m, random yaw{beside}. A position is worth the expected |relative volume"
-        f" error| of a scan from it {what}, estimator {asked.estimator}, over {asked.captures} scans; a scan without an estimate"
+        f"Sides {asked.side[0]:g} to {asked.side[1]:g} m, random yaw{off_centre_in_words(asked)}."
+        f" A position is worth the expected |relative volume error| of a scan from it {what}, estimator {asked.estimator}, over {asked.captures} scans; a scan without an estimate"
         f" ({100 * table.missed:.1f} % of all) counts as 100 %. Positions within two standard errors of the least count as best:"
         f" {table.best:.1f} of {table.reachable:.1f} that can be reached; on {table.no_choice} boxes all of them do. One decision"
         " per box, from one scan of a random present position, in the camera frame. The oracle chooses by"
@@ -55,6 +55,11 @@ def _heading(table: VolumeTable) -> list[str]:
         f"Ceiling, by split halves of the scans: the best position of one half counts as best in the other in"
         f" {_share(table.ceiling, 0)} %; both halves name the same in {_share(table.ceiling, 1)} %.",
     ]
+
+
+def off_centre_in_words(asked: VolumeSettings) -> str:
+    """Return where the rig stands if it is not around the box's centre, to go on a sentence with."""
+    return f", the rig's middle {100 * asked.off_centre:g} cm per axis off the box's centre" if asked.off_centre else ""
 
 
 def _share(shares: Shares, column: int, digits: int = 1) -> str:

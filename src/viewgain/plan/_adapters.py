@@ -5,7 +5,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from viewgain.arrays import Pose, Poses, Vector
+from viewgain.arrays import Poses, Vector
 from viewgain.camera import Intrinsics, Sensor
 from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA, Measurement, fuse, measure
@@ -102,17 +102,9 @@ class OnBelief(Generic[PolicyT]):
             return None
         here = seen.measured.camera_to_world
         place = None if self.around is None or here is None else place_amid(inverse(here) @ seen.candidates, self.around)
-        return believe(seen.measured, self.sensor, place, _taken_at(here, seen.scans))
+        return believe(seen.measured, self.sensor, place, seen.scans)
 
     def _measured(self, scans: list[Scan]) -> Measurement:
         if len(scans) == 1:
             return measure(scans[0], camera=self.sensor)
         return fuse(scans, camera=self.sensor, pose_sigma=self.pose_sigma)
-
-
-def _taken_at(here: Pose | None, scans: tuple[Scan, ...]) -> Scan | None:
-    """Return the last scan of a pose; what was measured last need not be what was taken last."""
-    if here is None:
-        return None
-    posed = (scan for scan in reversed(scans) if scan.camera_to_world is not None and np.array_equal(scan.camera_to_world, here))
-    return next(posed, None)

@@ -5,6 +5,7 @@ face held still; where somebody says about where the box stands, over what of it
 the blob's size, known to a third of it. Where nothing was measured, a place and the scan still leave some boxes.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -37,26 +38,35 @@ LEAST_REACH = 0.6
 missing returns alone, and a plan that is good for longer boxes too costs little."""
 
 
-def believe(measured: Measurement, sensor: Sensor, place: Place | None = None, scan: Scan | None = None) -> Belief | None:
+def believe(measured: Measurement, sensor: Sensor, place: Place | None = None, scans: Sequence[Scan] = ()) -> Belief | None:
     """Return what is believed about the largest box in the image, else the largest rejected object, else what fits the scan.
 
     Args:
         measured: What the scans say.
         sensor: The camera.
         place: Where the box stands, in the last scan's camera frame; None where nobody knows (:func:`belief_from`).
-        scan: The last scan, which is looked at where nothing was measured (:func:`belief_from_glimpse`).
+        scans: The scans so far. Where nothing was measured, the one whose pose the measurement has is looked at
+            (:func:`belief_from_glimpse`); that need not be the last.
 
     Returns:
-        None where nothing was measured, and there is no place, no scan, or no pose that says what is up.
+        None where nothing was measured, and there is no place, or no such scan.
     """
     if measured.boxes:
         return belief_from(measured.boxes[0], place)
     if measured.rejected:
         blob = measured.rejected[0]
         return belief_from_blob(blob, measured, sensor) if blob.estimate is None else belief_from(blob.estimate, place)
-    if place is None or scan is None or measured.camera_to_world is None:
+    here = measured.camera_to_world
+    scan = None if here is None else _taken_at(here, scans)
+    if place is None or scan is None or here is None:
         return None
-    return belief_from_glimpse(scan, measured.camera_to_world, place, sensor)
+    return belief_from_glimpse(scan, here, place, sensor)
+
+
+def _taken_at(here: Pose, scans: Sequence[Scan]) -> Scan | None:
+    """Return the last scan of a pose."""
+    posed = (scan for scan in reversed(scans) if scan.camera_to_world is not None and np.array_equal(scan.camera_to_world, here))
+    return next(posed, None)
 
 
 def belief_from(estimate: BoxEstimate, place: Place | None = None) -> Belief:

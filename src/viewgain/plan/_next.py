@@ -1,5 +1,6 @@
 """The next best view: believe, place the rig, score every candidate, decide, and say whether to stop."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -84,8 +85,8 @@ def next_view(
     decider = policy or CovariancePolicy(pose_sigma)
     measured = _measured(current, camera, pose_sigma)
     _require_standpoint(measured)
-    glimpse = _last(current, scan, measured) if objective == "volume" else None
-    believed = believe(measured, sensor_of(camera), _before_the_camera(place, measured), glimpse)
+    scans = _scans(current, scan) if objective == "volume" else ()
+    believed = believe(measured, sensor_of(camera), _before_the_camera(place, measured), scans)
     nothing = NextView(
         rig=stations.name,
         policy=decider.name,
@@ -164,11 +165,11 @@ def _measured(
     return fuse(current, camera=camera, pose_sigma=pose_sigma)
 
 
-def _last(current: Scan | list[Scan] | Measurement, scan: Scan | None, measured: Measurement) -> Scan | None:
-    """Return the scan whose camera the measurement stands in, if it is at hand."""
-    last = scan if isinstance(current, Measurement) else current if isinstance(current, Scan) else current[-1]
-    here, there = measured.camera_to_world, None if last is None else last.camera_to_world
-    return last if here is not None and there is not None and np.array_equal(here, there) else None
+def _scans(current: Scan | list[Scan] | Measurement, scan: Scan | None) -> Sequence[Scan]:
+    """Return the scans that are at hand."""
+    if isinstance(current, Measurement):
+        return () if scan is None else (scan,)
+    return (current,) if isinstance(current, Scan) else current
 
 
 def _before_the_camera(place: Place | None, measured: Measurement) -> Place | None:

@@ -24,12 +24,12 @@ _ACROSS = np.sin(np.deg2rad(5.0)) ** 2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """Where the centre of a box is, before anything is measured."""
+    """Where the centre of a box is, before anything is measured; ConfigError if that makes no sense."""
 
     centre: Vector3
     """(3,) metres."""
     sigma: float
-    """Standard deviation per axis, metres, positive."""
+    """Standard deviation per axis, metres, ``LEAST_SIGMA`` or more."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", np.asarray(self.centre, dtype=float))

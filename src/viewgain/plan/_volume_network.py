@@ -72,17 +72,15 @@ class CombinedPolicy:
     """The network."""
     name: str = "combined"
 
-    def trust(self, known: Seen) -> float:
-        """Return the weight of the model after :meth:`OnBelief.measuring`."""
-        return trust(self.model.belief(known), fused=self.model.policy.fused)
+    def trust(self, belief: Belief | None) -> float:
+        """Return the weight of the model beside the network (:func:`trust`)."""
+        return trust(belief, fused=self.model.policy.fused)
 
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) weighted means; where one of the two has no opinion the other's, NaN where neither has."""
         known = self.model.measuring(seen)
         belief = self.model.belief(known)
-        return weighted(
-            self.model.scored(belief, known), self.network.scores(known), trust(belief, fused=self.model.policy.fused)
-        )
+        return weighted(self.model.scored(belief, known), self.network.scores(known), self.trust(belief))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
