@@ -47,7 +47,8 @@ def _heading(table: VolumeTable) -> list[str]:
         f"## Next best view for volume: {table.boxes} fresh boxes of seed {asked.seed}, rig {asked.rig}, camera {asked.camera}",
         "",
         f"Sides {asked.side[0]:g} to {asked.side[1]:g} m, random yaw{off_centre_in_words(asked)}."
-        f" A position is worth the expected |relative volume error| of a scan from it {what}, estimator {asked.estimator}, over {asked.captures} scans; a scan without an estimate"
+        f" A position is worth the expected |relative volume error| of a scan from it {what},"
+        f" estimator {asked.estimator}, over {asked.captures} scans; a scan without an estimate"
         f" ({100 * table.missed:.1f} % of all) counts as 100 %. Positions within two standard errors of the least count as best:"
         f" {table.best:.1f} of {table.reachable:.1f} that can be reached; on {table.no_choice} boxes all of them do. One decision"
         " per box, from one scan of a random present position, in the camera frame. The oracle chooses by"
