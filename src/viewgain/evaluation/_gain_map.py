@@ -11,7 +11,7 @@ from viewgain.evaluation._choice import seen_of
 from viewgain.evaluation._map_values import Meaning, Valued, rank_correlation, valued
 from viewgain.evaluation._position_scores import PositionScores, best_positions, position_scores
 from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, volume_case
-from viewgain.evaluation._volume_choices import VOLUME_FLOORS, check_volume_policies, policy_of
+from viewgain.evaluation._volume_choices import VOLUME_FLOORS, check_volume_policies, volume_policy
 from viewgain.evaluation._volume_errors import errors_of_scans
 from viewgain.plan import choose
 from viewgain.rigs import Target
@@ -118,7 +118,9 @@ def gain_map(settings: VolumeSettings, number: int, policies: Sequence[str]) -> 
     case = volume_case(settings, number)
     _require_apart(case)
     seen = seen_of(case)
-    believed = [valued(policy_of(name, case), seen) for name in policies]  # first: a bad file should not cost minutes of scans
+    believed = [
+        valued(volume_policy(name, case), seen) for name in policies
+    ]  # first: a bad file should not cost minutes of scans
     truth = position_scores(errors_of_scans(case, range(settings.captures)), case.reachable)
     return GainMap(
         case=case,

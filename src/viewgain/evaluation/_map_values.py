@@ -11,6 +11,7 @@ from viewgain.plan import (
     CovariancePolicy,
     ExpectedErrorPolicy,
     OnBelief,
+    RehearsedPolicy,
     Seen,
     ViewPolicy,
     VolumeNetworkPolicy,
@@ -41,7 +42,7 @@ def valued(policy: ViewPolicy, seen: Seen) -> Valued:
             return Valued(weighted(one.values, two.values, policy.trust(policy.model.belief(known))), one.meaning)
     scores = policy.scores(seen)
     asked = policy.policy if isinstance(policy, OnBelief) else policy
-    if isinstance(asked, ExpectedErrorPolicy):
+    if isinstance(asked, ExpectedErrorPolicy | RehearsedPolicy):
         return Valued(1 - scores, "error")
     if isinstance(asked, CovariancePolicy):
         return Valued(1 - scores, "sigma_left")

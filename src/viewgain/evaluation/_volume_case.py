@@ -10,6 +10,7 @@ from viewgain.box import Box
 from viewgain.camera import Sensor, sensor
 from viewgain.errors import ConfigError
 from viewgain.gain import ESTIMATORS, BoxScans, believed_scan
+from viewgain.geometry import inverse
 from viewgain.measure import POSE_SIGMA
 from viewgain.rigs import Rig, Target, poses, refusals, rig
 from viewgain.scans import Scan
@@ -112,6 +113,12 @@ class VolumeCase:
         It is none of those that score the positions.
         """
         return believed_scan(self.scans, self.present, 2 * self.settings.captures, self._believed)
+
+    def arrivals(self, rng: np.random.Generator) -> Poses:
+        """Draw (V, 4, 4) where cameras sent to the positions arrive, by the rig's jitter, each in the frame of its position."""
+        scans = self.scans
+        there = poses(scans.rig, scans.target, elevation=scans.elevation, distance=scans.distance, rng=rng)
+        return inverse(self.stations) @ there
 
     @property
     def _believed(self) -> tuple[float, float]:

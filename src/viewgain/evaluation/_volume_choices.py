@@ -1,6 +1,6 @@
 """Policies by the names that commands have for them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -9,7 +9,8 @@ import numpy as np
 from viewgain.arrays import Vector
 from viewgain.errors import ConfigError, ModelError
 from viewgain.evaluation._choice import DecisionCase, Question
-from viewgain.gain import unrolled
+from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings
+from viewgain.gain import unrolled, volume_estimator
 from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan import (
@@ -19,6 +20,7 @@ from viewgain.plan import (
     ExpectedErrorPolicy,
     FarthestPolicy,
     OnBelief,
+    RehearsedPolicy,
     Seen,
     ViewPolicy,
     VolumeNetworkPolicy,
@@ -45,6 +47,15 @@ DECIDING: Mapping[str, Maker] = {
 """Policies by name, but for networks: ``expected`` goes by the expected error, which is what is scored, ``expected_around`` too,
 and is told that the rig was put up around the box; ``covariance`` goes by the certainty after fusing, ``farthest`` by the way
 from the present position."""
+VOLUME_DECIDING: Mapping[str, Callable[[VolumeCase], ViewPolicy]] = {
+    **DECIDING,
+    "rehearsed": lambda case: _rehearsed(case),
+    "rehearsed_around": lambda case: _rehearsed(case, around_of(case.settings)),
+}
+"""The same where a position is judged by its scans of a box: ``rehearsed`` goes by the expected error and by scans of the box
+believed in, simulated and measured as those that judge it are; ``rehearsed_around`` is told as much as ``expected_around``."""
+REHEARSING = ("rehearsed", "rehearsed_around")
+"""Those that rehearse scans alone, and have no opinion of what is fused."""
 FROM_FILE = ("network", "combined", "combined_around")
 """Policies that are named with a file, ``network:FILE.onnx``: by its scores alone, or with a say for ``expected``
 or ``expected_around``."""
@@ -56,10 +67,10 @@ def check_volume_policies(names: tuple[str, ...]) -> None:
     Raises:
         ConfigError: Saying which.
     """
-    check_policies(names, DECIDING, VOLUME_FLOORS)
+    check_policies(names, VOLUME_DECIDING, VOLUME_FLOORS)
 
 
-def check_policies(names: tuple[str, ...], deciding: Mapping[str, Maker], floors: Mapping[str, tuple[str, ...]] = FLOORS) -> None:
+def check_policies(names: tuple[str, ...], deciding: Collection[str], floors: Mapping[str, tuple[str, ...]] = FLOORS) -> None:
     """Refuse names that are neither of ``deciding`` nor floors nor networks, or given twice; raises as above."""
     for name in names:
         if name not in deciding and name not in floors and not is_from_file(name):
@@ -72,6 +83,11 @@ def check_policies(names: tuple[str, ...], deciding: Mapping[str, Maker], floors
 def is_from_file(name: str) -> bool:
     """Return whether a policy is named with the file of its network."""
     return name.partition(":")[0] in FROM_FILE and len(name.partition(":")[2]) > 0
+
+
+def volume_policy(name: str, case: VolumeCase) -> ViewPolicy:
+    """Return the policy of a name for a case of a box; raises as :func:`policy_of`, and as :func:`check_rehearsing`."""
+    return VOLUME_DECIDING[name](case) if name in VOLUME_DECIDING else policy_of(name, case)
 
 
 def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
@@ -94,9 +110,28 @@ def _expected(case: DecisionCase, around: float | None = None) -> OnBelief[Expec
     return OnBelief(ExpectedErrorPolicy(fused=case.settings.fused), case.camera, around=around)
 
 
+def _rehearsed(case: VolumeCase, around: float | None = None) -> OnBelief[RehearsedPolicy]:
+    check_rehearsing(case.settings)
+    estimator = volume_estimator(case.settings.estimator, case.camera)
+    policy = RehearsedPolicy(estimator=estimator, arrivals=case.arrivals, reachable=case.reachable)
+    return OnBelief(policy, case.camera, around=around)
+
+
+def check_rehearsing(settings: VolumeSettings) -> None:
+    """Refuse questions that nobody rehearses.
+
+    Raises:
+        ConfigError: If scans are fused.
+    """
+    if settings.fused:
+        raise ConfigError(
+            "policies rehearsed, rehearsed_around: got --fused, and they rehearse a scan alone; take expected, combined"
+        )
+
+
 def is_told(name: str) -> bool:
     """Return whether a policy is told that the rig was put up around the box."""
-    return name.partition(":")[0] in ("expected_around", "combined_around")
+    return name.partition(":")[0] in ("expected_around", "combined_around", "rehearsed_around")
 
 
 def around_of(settings: Question) -> float:
@@ -108,7 +143,7 @@ def around_of(settings: Question) -> float:
     rig = settings.stations()
     if any(station.corner is not None for station in rig.stations):
         raise ConfigError(
-            f"policies expected_around, combined_around: got rig {rig.name}, whose stations look at a corner, wanted one around a"
+            f"policies named _around: got rig {rig.name}, whose stations look at a corner, wanted one around a"
             " centre; take expected, combined"
         )
     return AROUND

@@ -10,7 +10,17 @@ from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file,
 from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim
 from viewgain.evaluation._volume_case import VolumeSettings, volume_case
-from viewgain.evaluation._volume_choices import DECIDING, INFORMED, around_of, is_from_file, is_told, network_of, policy_of
+from viewgain.evaluation._volume_choices import (
+    INFORMED,
+    REHEARSING,
+    VOLUME_DECIDING,
+    around_of,
+    check_rehearsing,
+    is_from_file,
+    is_told,
+    network_of,
+    volume_policy,
+)
 from viewgain.evaluation._volume_confidence import opinions_of
 from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
@@ -84,11 +94,13 @@ def run_boxes(
         ModelError: If a network's file is missing or damaged.
         StorageError: If the folder cannot be written.
     """
-    deciding = tuple(name for name in policies if name in DECIDING or is_from_file(name))
+    deciding = tuple(name for name in policies if name in VOLUME_DECIDING or is_from_file(name))
     for name in filter(is_from_file, deciding):
         network_of(name, settings)  # a wrong file is said before the first box, which takes its time
     if any(map(is_told, deciding)):
         around_of(settings)  # and so is a wrong rig
+    if set(deciding) & set(REHEARSING):
+        check_rehearsing(settings)
     if folder is not None:
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
     tasks = [
@@ -112,7 +124,7 @@ def run_boxes(
 def _worked_out(task: _Task) -> _Done:
     case = volume_case(task.settings, task.number)
     truth = truth_of(case, task.known, others=task.others)
-    choices, spent = decisions(case, task.policies, policy_of)
+    choices, spent = decisions(case, task.policies, volume_policy)
     opinions = opinions_of(case) if choices and task.settings.estimator == "default" else None
     sides = tuple(float(side) for side in case.box.extents)
     run = VolumeRun(

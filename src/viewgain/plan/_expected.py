@@ -139,10 +139,11 @@ class ExpectedErrorPolicy:
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return one assessment per candidate; the score is 1 minus the expected error."""
         del tolerance
-        errors = np.array([self._errors(belief, box, candidates) for box in belief.boxes]).mean(axis=0)
+        errors = np.array([self.errors(belief, box, candidates) for box in belief.boxes]).mean(axis=0)
         return tuple(Assessment(1 - float(error), None, None) for error in errors)
 
-    def _errors(self, belief: Belief, box: Box, candidates: Poses) -> list[float]:
+    def errors(self, belief: Belief, box: Box, candidates: Poses) -> list[float]:
+        """Return the expected error after each candidate, were it this box of those believed in."""
         sensor, noise = belief.sensor, belief.noise
         if not self.fused or belief.glimpsed:
             return [expected_error(box, candidate, sensor, noise) for candidate in candidates]

@@ -1,0 +1,96 @@
+"""A scan before it is taken: a box that may stand there, seen by the simulated camera and measured as a real scan is (ours).
+
+The expected error of a view is a formula with something learned in it. A rehearsal is one run of the whole chain, as costly as a
+scan and its measurement, and knows what the formula cannot: what the estimator makes of this very box from there.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from viewgain.arrays import Pose, Poses
+from viewgain.box import Box
+from viewgain.camera import Sensor
+from viewgain.errors import ViewgainError
+from viewgain.gain import VolumeEstimator
+from viewgain.geometry import inverse, pose, rotation_from_rotvec
+from viewgain.measure import POSE_SIGMA
+from viewgain.plan._belief import Belief
+from viewgain.rays import SceneCaster
+from viewgain.scenes import Scene
+from viewgain.simulate import RangeError, capture, draw_range_error
+
+Arrivals: TypeAlias = Callable[[np.random.Generator], Poses]
+"""Draws (V, 4, 4) where cameras that are sent to V candidates arrive, each in the frame of its candidate."""
+
+
+def arriving_within(count: int, pose_sigma: tuple[float, float] = POSE_SIGMA) -> Arrivals:
+    """Return arrivals at ``count`` candidates that are normal about them.
+
+    Args:
+        count: Number of candidates, V.
+        pose_sigma: Standard deviation per axis, metres and radians.
+    """
+    metres, radians = pose_sigma
+
+    def drawn(rng: np.random.Generator) -> Poses:
+        moves = rng.normal(0.0, (radians,) * 3 + (metres,) * 3, (count, 6))
+        return np.stack([pose(rotation_from_rotvec(move[:3]), move[3:]) for move in moves])
+
+    return drawn
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """What all candidates are tried on alike, so that they differ by nothing but their places (common random numbers)."""
+
+    of: int
+    """Which of the believed boxes."""
+    box: Box
+    """That box, present camera's frame."""
+    caster: SceneCaster
+    """It alone on its floor, in its own frame, ready for rays."""
+    error: RangeError
+    """Systematic error of the camera."""
+    arrived: Poses
+    """(V, 4, 4) where the camera arrives, each in the frame of its candidate."""
+    seed: int
+    """Source of the noise."""
+
+    def outcome(self, index: int, camera_to_current: Pose, sensor: Sensor, estimator: VolumeEstimator) -> float:
+        """Return min(|relative volume error|, 1) of one scan from candidate ``index``, and 1 for a miss.
+
+        Args:
+            index: Which candidate.
+            camera_to_current: (4, 4) its pose.
+            sensor: The camera.
+            estimator: Who measures.
+        """
+        camera_to_box = inverse(self.box.box_to_camera) @ camera_to_current @ self.arrived[index]
+        rng = np.random.default_rng(self.seed)
+        try:
+            scan = capture(self.caster, camera_to_box, sensor, rng=rng, error=self.error)
+            error = abs(estimator(scan) / self.box.volume - 1)
+        except (ViewgainError, np.linalg.LinAlgError):  # a miss is a miss, whatever its name
+            return 1.0
+        return float(error) if error < 1.0 else 1.0  # NaN is no volume
+
+
+def trials(belief: Belief, arrivals: Arrivals, rng: np.random.Generator) -> Iterator[Trial]:
+    """Yield trials without end: the believed boxes in a drawn order, every one once before any comes again.
+
+    The scene is the box alone. The camera is one of its model, with a systematic error as calibration leaves it.
+
+    Args:
+        belief: What is believed about the box.
+        arrivals: Where cameras arrive.
+        rng: Source of all randomness.
+    """
+    casters = [SceneCaster(Scene((Box(np.eye(4), box.extents),))) for box in belief.boxes]
+    while True:
+        for of in rng.permutation(len(casters)).tolist():
+            error = draw_range_error(belief.sensor, rng=rng)
+            arrived = arrivals(rng)
+            yield Trial(of, belief.boxes[of], casters[of], error, arrived, int(rng.integers(2**63)))

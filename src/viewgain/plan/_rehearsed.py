@@ -1,0 +1,110 @@
+"""The policy that tries before it goes: the expected error, corrected by rehearsals of the candidates that contend (ours).
+
+What is expected of a candidate counts as much as :data:`WORTH` rehearsals: were a run a hit or a miss, this would be the mean of
+a Beta distribution. Candidates that are surely worse are left alone, so effort goes where the choice is (racing, Maron and Moore
+1994; docs/volume_nbv.md).
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from viewgain.arrays import Array, Indices, Mask, Poses, Vector
+from viewgain.gain import VolumeEstimator, volume_estimator
+from viewgain.plan._belief import Belief
+from viewgain.plan._expected import ExpectedErrorPolicy
+from viewgain.plan._policy import Assessment
+from viewgain.plan._rehearsal import Arrivals, arriving_within, trials
+
+WORTH = 4.0
+"""As many rehearsals as the expected error is worth."""
+ROUND, MOST = 4, 24
+"""Rehearsals of a candidate before contenders are looked for anew, and the most of any."""
+APART = 2.0
+"""A candidate contends while it may be the best: within so many standard deviations of the difference."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RehearsedPolicy:
+    """The least volume error of a candidate's scan alone, by what is expected of it and by rehearsals (:mod:`._rehearsal`).
+
+    Where the box is only guessed at, rehearsals would be of something else: there the expected error decides.
+    """
+
+    expected: ExpectedErrorPolicy = field(default_factory=lambda: ExpectedErrorPolicy(fused=False))
+    """Who is asked first; of scans alone."""
+    estimator: VolumeEstimator | None = None
+    """Who measures; None for the default one."""
+    arrivals: Arrivals | None = None
+    """Where cameras arrive that are sent to the candidates; None: normal about them, as ``POSE_SIGMA`` says."""
+    reachable: Mask | None = None
+    """(V,) candidates that can be chosen; nothing is rehearsed of others. None for all."""
+    seed: int = 0
+    """Source of all randomness: the same belief and candidates give the same scores."""
+    name: str = "rehearsed"
+
+    def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
+        """Return one assessment per candidate; the score is 1 minus the error, with its standard deviation."""
+        del tolerance
+        by_box = np.array([self.expected.errors(belief, box, candidates) for box in belief.boxes])
+        standing = Standing.before(by_box.mean(axis=0))
+        if not belief.guessed:
+            standing = self._rehearsed(standing, by_box, belief, candidates)
+        pairs = zip(standing.errors.tolist(), standing.sigma.tolist(), strict=True)
+        return tuple(Assessment(1 - error, None, None, sigma) for error, sigma in pairs)
+
+    def _rehearsed(self, standing: "Standing", by_box: Array, belief: Belief, candidates: Poses) -> "Standing":
+        estimator = self.estimator or volume_estimator("default", belief.sensor)
+        arrivals = self.arrivals or arriving_within(len(candidates))
+        allowed = np.ones(len(candidates), dtype=bool) if self.reachable is None else self.reachable
+        contenders: Indices = np.zeros(0, dtype=np.intp)
+        for number, trial in enumerate(trials(belief, arrivals, np.random.default_rng(self.seed))):
+            if number % ROUND == 0:
+                contenders = standing.contenders(allowed)
+            if number == MOST or len(contenders) < 2:
+                return standing
+            found = [trial.outcome(index, candidates[index], belief.sensor, estimator) for index in contenders.tolist()]
+            standing = standing.after(contenders, np.array(found) - by_box[trial.of, contenders])
+        raise AssertionError("trials end")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """What is expected of V candidates, and what rehearsals have added to it."""
+
+    expected: Vector
+    """(V,) expected error, the mean over all boxes believed in."""
+    surprise: Vector
+    """(V,) sum over rehearsals of what came out less what was expected of that box."""
+    tried: Vector
+    """(V,) number of rehearsals."""
+
+    @classmethod
+    def before(cls, expected: Vector) -> "Standing":
+        """Return where candidates stand without any rehearsal."""
+        return cls(expected, np.zeros(len(expected)), np.zeros(len(expected)))
+
+    @property
+    def errors(self) -> Vector:
+        """(V,) error to expect by now, 0 to 1."""
+        return np.clip(self.expected + self.surprise / (WORTH + self.tried), 0.0, 1.0)
+
+    @property
+    def sigma(self) -> Vector:
+        """(V,) its standard deviation, that of a Beta distribution."""
+        return np.sqrt(self.errors * (1 - self.errors) / (WORTH + self.tried + 1))
+
+    def after(self, at: Indices, surprises: Vector) -> "Standing":
+        """Return where they stand after one more rehearsal of those ``at``, and by how much each came out worse than expected."""
+        surprise, tried = self.surprise.copy(), self.tried.copy()
+        surprise[at] += surprises
+        tried[at] += 1
+        return Standing(self.expected, surprise, tried)
+
+    def contenders(self, allowed: Mask) -> Indices:
+        """Return the allowed candidates that may still be the best, ascending: one where it is clear which, none of none."""
+        if not allowed.any():
+            return np.zeros(0, dtype=np.intp)
+        errors, sigma = np.where(allowed, self.errors, np.inf), self.sigma
+        best = int(np.argmin(errors))
+        return np.flatnonzero(allowed & (errors - errors[best] <= APART * np.hypot(sigma, sigma[best])))
