@@ -169,6 +169,18 @@ def test_whoever_is_told_the_place_decides_otherwise_and_the_page_says_how_far_o
     assert "got -1.0 m off centre" in capsys.readouterr().err
 
 
+@pytest.mark.slow
+def test_who_rehearses_knows_which_estimator_will_measure(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """The published lines miss from where the default estimator does not; a rehearsal with them shows it."""
+    asked = ("--side", "0.15", "0.4", "--boxes", "3", "--captures", "4", "--estimator", "lines_published", "--seed", "5")
+    names = ("expected_around", "rehearsed_around")
+    assert main(["evaluate", "volume", *asked, "--policies", *names, "--out", str(tmp_path), "--workers", "2"]) == 0
+    content = json.loads((tmp_path / "volume.json").read_text())
+    mean = {row["name"]: row["shares"]["mean"][2] for row in content["rows"]}
+    assert mean["rehearsed_around"] < mean["expected_around"]
+    assert "| rehearsed_around |" in capsys.readouterr().out
+
+
 def believed(case: VolumeCase, view: int, number: int) -> Scan:
     """Return a scan with its pose turned and moved by what the camera does not know of it."""
     scan = case.scans.scan(view, number)
@@ -190,6 +202,8 @@ def believed(case: VolumeCase, view: int, number: int) -> Scan:
         (["--policies", "combined:nowhere.onnx"], "nowhere.onnx: no such file"),
         (["--side", "nan", "0.5"], "sides (nan, 0.5)"),
         (["--rig", "paper4", "--policies", "farthest", "expected_around"], "rig paper4, whose stations look at a corner"),
+        (["--rig", "paper4", "--policies", "rehearsed_around"], "rig paper4, whose stations look at a corner"),
+        (["--fused", "--policies", "farthest", "rehearsed"], "they rehearse a scan alone"),
         (["--distance", "inf"], "distance inf"),
         (["--elevation", "nan"], "elevation nan"),
         (["--estimator", "eye"], "estimator: got 'eye'"),

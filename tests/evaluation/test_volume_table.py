@@ -20,6 +20,7 @@ from viewgain.evaluation._volume_case import _ASIDE, _CASE
 from viewgain.evaluation._volume_choices import policy_of
 from viewgain.evaluation._volume_errors import _OTHERS
 from viewgain.plan import looked_at
+from viewgain.rigs import poses
 
 SETTINGS = VolumeSettings(captures=6)
 POLICIES = ("wise", "random", "constant", "oracle")
@@ -118,6 +119,16 @@ def test_who_is_told_of_a_centre_is_not_asked_where_the_rig_looks_at_a_corner() 
             policy_of(name, case)
 
 
+def test_cameras_arrive_where_the_rig_sends_them() -> None:
+    case = volume_case(SETTINGS, 0)
+    scans = case.scans
+    jittered = poses(scans.rig, scans.target, elevation=scans.elevation, distance=scans.distance, rng=np.random.default_rng(4))
+    assert case.stations @ case.arrivals(np.random.default_rng(4)) == pytest.approx(jittered)
+    assert np.linalg.norm((jittered - case.stations)[:, :3, 3], axis=1).max() > 0.05
+    still = volume_case(replace(SETTINGS, rig="ring8"), 0)  # a rig without jitter
+    assert still.arrivals(np.random.default_rng(4)) == pytest.approx(np.broadcast_to(np.eye(4), (8, 4, 4)))
+
+
 def test_a_rig_in_the_middle_goes_without_saying() -> None:
     """Results of before the question could be asked are answers to it still."""
     runs = [run_of(number, 1, chosen=1) for number in range(3)]
@@ -160,7 +171,7 @@ def test_settings_that_make_no_sense_are_refused(change: dict[str, object], word
 
 
 def test_unknown_policies_are_refused() -> None:
-    check_volume_policies(("expected", "expected_around", "network:some.onnx", "combined_around:some.onnx"))
+    check_volume_policies(("expected", "rehearsed", "rehearsed_around", "network:some.onnx", "combined_around:some.onnx"))
     for name in ("best", "model", "network:", "expected:some.onnx", "expected_around:some.onnx", "combined_around"):
         with pytest.raises(ConfigError, match=f"'{name}' is not known; choose from expected, expected_around, covariance"):
             check_volume_policies((name,))

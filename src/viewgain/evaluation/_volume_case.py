@@ -118,7 +118,7 @@ class VolumeCase:
         """Draw (V, 4, 4) where cameras sent to the positions arrive, by the rig's jitter, each in the frame of its position."""
         scans = self.scans
         there = poses(scans.rig, scans.target, elevation=scans.elevation, distance=scans.distance, rng=rng)
-        return inverse(self.stations) @ there
+        return np.stack([inverse(station) @ camera for station, camera in zip(self.stations, there, strict=True)])
 
     @property
     def _believed(self) -> tuple[float, float]:

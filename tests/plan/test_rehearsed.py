@@ -1,0 +1,234 @@
+"""Trying candidates out before going there: what a rehearsal is, who is rehearsed, and what comes of it."""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from viewgain.arrays import Poses
+from viewgain.box import Box
+from viewgain.camera import sensor
+from viewgain.errors import ScanError
+from viewgain.gain import VolumeEstimator, volume_estimator
+from viewgain.geometry import inverse, look_at, pose, rotation_from_rotvec
+from viewgain.measure import Knowledge
+from viewgain.plan import Belief, ExpectedErrorPolicy, RehearsedPolicy, Standing, Trial, arriving_within, trials
+from viewgain.plan._rehearsed import MOST, WORTH
+from viewgain.rays import SceneCaster
+from viewgain.scans import Scan
+from viewgain.scenes import Scene
+from viewgain.simulate import NO_ERROR, capture
+
+CAMERA = sensor("pico_flexx")
+UP = np.array([0.0, 0.0, 1.0])
+BOX = Box(pose(rotation_from_rotvec(0.7 * UP), np.array([0.2, -0.1, 0.0])), np.array([0.35, 0.25, 0.2]))
+EXACTLY = arriving_within(3, (0.0, 0.0))
+
+
+def cameras(*azimuths: float) -> Poses:
+    centre = BOX.centre
+    places = [centre + np.array([np.cos(azimuth), np.sin(azimuth), 0.8]) for azimuth in azimuths]
+    return np.stack([look_at(place, centre, UP) for place in places])
+
+
+CANDIDATES = cameras(0.3, 2.0, 4.1)
+
+
+def belief_in(*boxes: Box, guessed: bool = False) -> Belief:
+    return Belief(boxes, Knowledge(1e6 * np.eye(9), np.zeros((9, 4))), CAMERA, 1.0, bounded=len(boxes) == 1, guessed=guessed)
+
+
+def scaled(factor: float) -> Box:
+    return Box(BOX.box_to_camera, factor * BOX.extents)
+
+
+def trial_of(box: Box, seed: int = 3) -> Trial:
+    return Trial(0, box, SceneCaster(Scene((Box(np.eye(4), box.extents),))), NO_ERROR, EXACTLY(np.random.default_rng(0)), seed)
+
+
+def by_place(*errors: float) -> VolumeEstimator:
+    """Return an estimator that is off by so much from each of the three candidates: wherever its scan was taken from."""
+    places = places_of(CANDIDATES)
+
+    def estimator(scan: Scan) -> float:
+        assert scan.camera_to_world is not None
+        index = int(np.argmin(np.linalg.norm(places - scan.camera_to_world[:3, 3], axis=1)))
+        return BOX.volume * (1 + errors[index])
+
+    return estimator
+
+
+def places_of(candidates: Poses) -> np.ndarray:
+    return (inverse(BOX.box_to_camera) @ candidates)[:, :3, 3]
+
+
+def silent(scan: Scan) -> float:
+    raise AssertionError(f"{scan.source}: nobody should rehearse")
+
+
+def scores(policy: RehearsedPolicy, belief: Belief) -> np.ndarray:
+    return np.array([each.score for each in policy.assess(belief, CANDIDATES, 0.05)])
+
+
+def expected(belief: Belief) -> np.ndarray:
+    return np.array([each.score for each in ExpectedErrorPolicy(fused=False).assess(belief, CANDIDATES, 0.05)])
+
+
+# One rehearsal.
+
+
+def test_a_rehearsal_is_a_scan_of_that_box_from_there_and_its_measurement() -> None:
+    """Held against the same scene in the frame of the world: the box where it is believed to stand."""
+    estimator = volume_estimator("default", CAMERA)
+    scan = capture(Scene((BOX,)), CANDIDATES[1], CAMERA, rng=np.random.default_rng(3))
+    outcome = trial_of(BOX).outcome(1, CANDIDATES[1], CAMERA, estimator)
+    assert outcome == pytest.approx(abs(estimator(scan) / BOX.volume - 1), abs=2e-4)
+    assert 0 < outcome < 0.1
+
+
+@pytest.mark.parametrize(("volume", "cost"), [(1.0, 0.0), (1.25, 0.25), (0.4, 0.6), (5.0, 1.0), (np.nan, 1.0), (np.inf, 1.0)])
+def test_what_a_rehearsal_costs(volume: float, cost: float) -> None:
+    assert trial_of(BOX).outcome(0, CANDIDATES[0], CAMERA, lambda scan: BOX.volume * volume) == pytest.approx(cost)
+
+
+def test_an_estimator_that_fails_has_missed_and_so_has_a_camera_that_sees_nothing() -> None:
+    def failing(scan: Scan) -> float:
+        raise ScanError(f"{scan.source}: no floor")
+
+    def singular(scan: Scan) -> float:
+        raise np.linalg.LinAlgError
+
+    assert trial_of(BOX).outcome(0, CANDIDATES[0], CAMERA, failing) == 1.0
+    assert trial_of(BOX).outcome(0, CANDIDATES[0], CAMERA, singular) == 1.0
+    away = CANDIDATES[0] @ pose(rotation_from_rotvec(np.array([np.pi, 0.0, 0.0])), np.zeros(3))
+    assert trial_of(BOX).outcome(0, away, CAMERA, silent) == 1.0
+
+
+def test_every_box_comes_once_before_any_comes_again() -> None:
+    boxes = tuple(scaled(factor) for factor in (0.8, 0.9, 1.0, 1.2, 1.5))
+    drawn = list(islice(trials(belief_in(*boxes), EXACTLY, np.random.default_rng(1)), 15))
+    orders = [tuple(trial.of for trial in drawn[start : start + 5]) for start in (0, 5, 10)]
+    assert all(sorted(order) == [0, 1, 2, 3, 4] for order in orders)
+    assert len(set(orders)) > 1
+    assert all(trial.box is boxes[trial.of] for trial in drawn)
+    assert all(trial.caster.surfaces is not None for trial in drawn)
+    assert len({trial.seed for trial in drawn}) == len({trial.error.scale for trial in drawn}) == 15
+    again = list(islice(trials(belief_in(*boxes), EXACTLY, np.random.default_rng(1)), 15))
+    assert [(trial.of, trial.seed, trial.error) for trial in again] == [(trial.of, trial.seed, trial.error) for trial in drawn]
+
+
+def test_cameras_arrive_about_their_candidates() -> None:
+    rng = np.random.default_rng(5)
+    moves = np.concatenate([arriving_within(2, (0.02, 0.01))(rng) for _ in range(400)])
+    assert moves.shape == (800, 4, 4)
+    assert moves[:, :3, 3].std(axis=0) == pytest.approx([0.02] * 3, rel=0.1)
+    angles = np.arccos(np.clip((np.trace(moves[:, :3, :3], axis1=1, axis2=2) - 1) / 2, -1, 1))
+    assert np.sqrt(np.mean(angles**2) / 3) == pytest.approx(0.01, rel=0.1)
+    assert EXACTLY(rng) == pytest.approx(np.broadcast_to(np.eye(4), (3, 4, 4)))
+
+
+def test_a_camera_that_arrives_elsewhere_is_rehearsed_there() -> None:
+    trial = trial_of(BOX)
+    trial.arrived[0] = inverse(CANDIDATES[0]) @ CANDIDATES[2]
+    assert trial.outcome(0, CANDIDATES[0], CAMERA, by_place(0.0, 0.1, 0.2)) == pytest.approx(0.2)
+
+
+# Who is rehearsed.
+
+ERRORS = st.floats(0.0, 1.0)
+
+
+@given(expectation=ERRORS, outcomes=st.lists(ERRORS, max_size=30))
+@settings(deadline=None)
+def test_an_expectation_counts_as_so_many_rehearsals(expectation: float, outcomes: list[float]) -> None:
+    standing = Standing.before(np.array([expectation, 0.5]))
+    for outcome in outcomes:
+        standing = standing.after(np.array([0]), np.array([outcome - expectation]))
+    mean = (WORTH * expectation + sum(outcomes)) / (WORTH + len(outcomes))
+    assert standing.errors == pytest.approx([mean, 0.5])
+    assert standing.tried.tolist() == [len(outcomes), 0]
+    assert standing.sigma[0] == pytest.approx(np.sqrt(mean * (1 - mean) / (WORTH + len(outcomes) + 1)), abs=1e-7)
+
+
+@given(expectation=st.lists(ERRORS, min_size=1, max_size=6), mask=st.lists(st.booleans(), min_size=6, max_size=6))
+@settings(deadline=None)
+def test_the_best_that_can_be_reached_contends_and_what_cannot_does_not(expectation: list[float], mask: list[bool]) -> None:
+    allowed = np.array(mask[: len(expectation)])
+    found = Standing.before(np.array(expectation)).contenders(allowed)
+    assert np.all(allowed[found])
+    if allowed.any():
+        best = np.flatnonzero(allowed)[np.argmin(np.array(expectation)[allowed])]
+        assert best in found
+    else:
+        assert not len(found)
+
+
+def test_who_is_surely_worse_contends_no_longer_and_more_rehearsals_tell_more_apart() -> None:
+    standing = Standing.before(np.array([0.02, 0.4, 0.95]))
+    everybody = np.ones(3, dtype=bool)
+    assert standing.contenders(everybody).tolist() == [0, 1]
+    assert standing.contenders(np.array([False, True, True])).tolist() == [1]
+    for _ in range(20):  # each comes out as it was expected to
+        standing = standing.after(np.array([0, 1]), np.zeros(2))
+    assert standing.contenders(everybody).tolist() == [0]
+
+
+def test_rehearsals_overrule_an_expectation() -> None:
+    belief = belief_in(BOX)
+    before = expected(belief)
+    best = int(np.argmax(before))
+    errors = [0.02, 0.02, 0.02]
+    errors[best] = 1.0
+    after = scores(RehearsedPolicy(estimator=by_place(*errors), arrivals=EXACTLY), belief)
+    assert np.argmax(after) != best
+    assert after[best] < 0.5 < before[best]
+
+
+def test_scores_are_the_mean_of_expectation_and_rehearsals() -> None:
+    """Slow twin: every candidate that contends to the end is rehearsed so often as is allowed."""
+    belief = belief_in(BOX)
+    after = scores(RehearsedPolicy(estimator=by_place(0.05, 0.05, 0.05), arrivals=EXACTLY), belief)
+    wanted = 1 - (WORTH * (1 - expected(belief)) + MOST * 0.05) / (WORTH + MOST)
+    assert after == pytest.approx(wanted)
+
+
+def test_of_several_boxes_each_is_held_against_what_was_expected_of_it() -> None:
+    """A box that is hard to measure comes up in a rehearsal: no surprise, so nothing is learned from it."""
+    belief, policy = belief_in(*(scaled(factor) for factor in (0.5, 1.0, 2.0))), ExpectedErrorPolicy(fused=False)
+    rehearsed = islice(trials(belief, EXACTLY, np.random.default_rng(0)), MOST)
+    answers = iter([
+        trial.box.volume * (1 + error) for trial in rehearsed for error in policy.errors(belief, trial.box, CANDIDATES)
+    ])  # fmt: skip
+    after = scores(RehearsedPolicy(estimator=lambda scan: next(answers), arrivals=EXACTLY), belief)
+    assert next(answers, None) is None  # all three contended throughout, or the answers were given to others
+    assert after == pytest.approx(expected(belief))
+
+
+def test_nobody_is_rehearsed_where_there_is_nothing_to_choose_or_the_box_is_a_guess() -> None:
+    guess = belief_in(BOX, guessed=True)
+    assert scores(RehearsedPolicy(estimator=silent), guess) == pytest.approx(expected(guess))
+    belief = belief_in(BOX)
+    for mask in ([False, False, False], [False, True, False]):
+        assert scores(RehearsedPolicy(estimator=silent, reachable=np.array(mask)), belief) == pytest.approx(expected(belief))
+
+
+def test_what_cannot_be_reached_is_not_rehearsed() -> None:
+    belief = belief_in(BOX)
+    mask = np.array([True, False, True])
+    after = scores(RehearsedPolicy(estimator=by_place(0.3, 0.3, 0.3), arrivals=EXACTLY, reachable=mask), belief)
+    assert after[1] == pytest.approx(expected(belief)[1])
+    assert np.all(np.abs(after - expected(belief))[mask] > 0.05)
+
+
+def test_the_same_question_has_the_same_answer_in_every_frame() -> None:
+    moved = pose(rotation_from_rotvec(np.array([0.2, -0.4, 1.0])), np.array([1.0, 2.0, -0.5]))
+    belief, elsewhere = belief_in(BOX), belief_in(BOX.in_frame(moved))
+    policy = RehearsedPolicy(estimator=lambda scan: BOX.volume * float(np.nanmean(scan.points[:, 2])))
+    first = policy.assess(belief, CANDIDATES, 0.05)
+    assert [each.score for each in policy.assess(belief, CANDIDATES, 0.05)] == [each.score for each in first]
+    again = policy.assess(elsewhere, moved @ CANDIDATES, 0.05)
+    assert [each.score for each in again] == pytest.approx([each.score for each in first], abs=1e-5)
+    assert np.ptp([each.score for each in first]) > 0.003
+    assert all(each.sigma is not None and 0 < each.sigma < 0.2 for each in first)
