@@ -10,7 +10,6 @@ import pytest
 
 from viewgain.camera import sensor
 from viewgain.cli import main
-from viewgain.cli._commands import Next
 from viewgain.cli._text import decider_in_words, decision_in_words
 from viewgain.plan import AROUND, looked_at, next_view
 from viewgain.scans import read_scan, write_scan
@@ -237,11 +236,13 @@ def wall(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_place_is_as_exact_for_the_command_as_for_the_policies() -> None:
-    assert Next(scans=()).place_sigma == AROUND
-
-
 PLACE = ["--place", "0.05", "-0.05", "0.3"]
+
+
+def test_a_place_is_as_exact_for_the_command_as_for_the_policies(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = [str(wall / "wall.npz"), "--camera", "pico_flexx", *PLACE]
+    said = [plan_of([*arguments, *sigma], capsys) for sigma in ([], ["--place-sigma", str(AROUND)], ["--place-sigma", "0.3"])]
+    assert said[0] == said[1] != said[2]
 
 
 def test_told_the_place_it_leads_away_from_a_wall_of_cardboard(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -263,6 +264,20 @@ def test_told_the_place_it_leads_away_from_a_wall_of_cardboard(wall: Path, capsy
     assert plan_of([*arguments, *PLACE], capsys) == plan
 
 
+def test_rehearsals_say_how_sure_each_score_is(
+    scans: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("viewgain.plan._rehearsed.MOST", 4)
+    arguments = [str(scans / "one.png"), "--policy"]
+    expected, rehearsed = (plan_of([*arguments, policy], capsys) for policy in ("expected", "rehearsed"))
+    assert rehearsed["policy"] == "rehearsed"
+    assert rehearsed["candidates"][rehearsed["best"]]["reachable"]
+    assert all(0 < candidate["score_sigma"] < 0.25 for candidate in rehearsed["candidates"])
+    assert {candidate["score_sigma"] for candidate in expected["candidates"]} == {None}
+    assert main(["next", *arguments, "rehearsed", "--objective", "coverage"]) == 2
+    assert "which knows boxes only" in capsys.readouterr().err
+
+
 def test_coverage_asks_for_an_object_on_a_floor_as_ever(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["--objective", "coverage", "--policy", "network", "--rig", "pcnbv16"]
     assert main(["next", str(wall / "wall.npz"), "--camera", "pico_flexx", *PLACE, *arguments]) == 3
@@ -272,6 +287,7 @@ def test_coverage_asks_for_an_object_on_a_floor_as_ever(wall: Path, capsys: pyte
 def test_a_place_that_makes_no_sense_is_refused_in_one_line(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for scan, more, words in (
         ("wall", [*PLACE, "--place-sigma", "0"], "standard deviation of 0.0 m, wanted 0.0001 m or more"),
+        ("wall", ["--place-sigma", "0.05"], "--place-sigma: got 0.05 and no place, wanted --place X Y Z"),
         ("wall", ["--place", "nan", "0", "0"], "wanted three numbers of 10000 m at most"),
         ("unposed", PLACE, "without a pose, wanted camera_to_world"),
     ):

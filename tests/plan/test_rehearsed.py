@@ -1,5 +1,6 @@
 """Trying candidates out before going there: what a rehearsal is, who is rehearsed, and what comes of it."""
 
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
@@ -12,11 +13,12 @@ from viewgain.box import Box
 from viewgain.camera import sensor
 from viewgain.errors import ScanError
 from viewgain.gain import VolumeEstimator, volume_estimator
-from viewgain.geometry import inverse, look_at, pose, rotation_from_rotvec
+from viewgain.geometry import inverse, look_at, pose, rotation_from_rotvec, transform
 from viewgain.measure import Knowledge
-from viewgain.plan import Belief, ExpectedErrorPolicy, RehearsedPolicy, Standing, Trial, arriving_within, trials
+from viewgain.plan import Belief, ExpectedErrorPolicy, RehearsedPolicy, Standing, Trial, arriving_within, next_view, trials
 from viewgain.plan._rehearsed import MOST, WORTH
 from viewgain.rays import SceneCaster
+from viewgain.rigs import KeepOut, rig
 from viewgain.scans import Scan
 from viewgain.scenes import Scene
 from viewgain.simulate import NO_ERROR, capture
@@ -232,3 +234,24 @@ def test_the_same_question_has_the_same_answer_in_every_frame() -> None:
     assert [each.score for each in again] == pytest.approx([each.score for each in first], abs=1e-5)
     assert np.ptp([each.score for each in first]) > 0.003
     assert all(each.sigma is not None and 0 < each.sigma < 0.2 for each in first)
+
+
+def test_next_view_spends_nothing_on_what_is_out_of_reach() -> None:
+    """A ring of eight of which the camera may reach one side."""
+    scan = capture(Scene((BOX,)), CANDIDATES[0], CAMERA, rng=np.random.default_rng(1))
+    cone = KeepOut(axis=CANDIDATES[0][:3, 3] - BOX.centre, half_angle=1.2, apex=BOX.centre)
+    tried: list[np.ndarray] = []
+
+    def noting(seen: Scan) -> float:
+        assert seen.camera_to_world is not None
+        tried.append(seen.camera_to_world[:3, 3])
+        return BOX.volume * 1.05
+
+    plan = next_view(scan, replace(rig("ring8"), keep_out=(cone,)), policy=RehearsedPolicy(estimator=noting), camera="pico_flexx")
+    reached = np.array([candidate.reachable for candidate in plan.candidates])
+    assert 1 < reached.sum() < 8
+    measured = plan.current.boxes[0].box
+    there = transform(inverse(measured.box_to_camera), np.array([each.camera_to_current[:3, 3] for each in plan.candidates]))
+    nearest = {int(np.argmin(np.linalg.norm(there - place, axis=1))) for place in tried}
+    assert nearest
+    assert nearest <= set(np.flatnonzero(reached).tolist())

@@ -80,8 +80,8 @@ class Next:
     place: tuple[float, float, float] | None = None
     """About where the box's centre is, X Y Z in metres in the world of the last scan's pose, z up: of a box that is put at a
     marked spot. It says how long a side may be that no scan shows, and what may stand there where nothing can be measured."""
-    place_sigma: float = 0.1
-    """How exactly it is there, standard deviation per axis, metres."""
+    place_sigma: float | None = None
+    """How exactly it is there, standard deviation per axis, metres; 0.1 where nothing is said."""
     json: bool = False
     """One JSON object, one line, and nothing else on stdout."""
 

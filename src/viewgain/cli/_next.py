@@ -15,12 +15,14 @@ from viewgain.errors import ConfigError
 from viewgain.inference import Ensemble, PoseScorer, find_model, model_name, shipped_models, volume_scorer
 from viewgain.measure import POSE_SIGMA, REASONS, fuse, measure
 from viewgain.plan import (
+    AROUND,
     AutomaticPolicy,
     CovariancePolicy,
     ExpectedErrorPolicy,
     NetworkPolicy,
     Place,
     Policy,
+    RehearsedPolicy,
     VolumeJudge,
     VolumeNetworkAboutBox,
     next_view,
@@ -32,6 +34,7 @@ WITHOUT_FILE: Mapping[str, Callable[[Scan], Policy]] = {
     "auto": AutomaticPolicy,
     "model": lambda scan: CovariancePolicy(POSE_SIGMA),
     "expected": lambda scan: ExpectedErrorPolicy(),
+    "rehearsed": lambda scan: RehearsedPolicy(),
 }
 """Policies for which no network can be named."""
 
@@ -51,7 +54,7 @@ def run_next(command: Next) -> int:
         tolerance=command.tolerance,
         confidence=command.confidence,
         judge=VolumeJudge(scans[-1], command.deciding.abstain) if command.objective == "volume" else None,
-        place=None if command.place is None else Place(np.array(command.place), command.place_sigma),
+        place=_place(command),
         scan=scans[-1],
     )
     if command.json:
@@ -68,6 +71,15 @@ def run_next(command: Next) -> int:
         print(decider_in_words(plan))
     print(decision_in_words(plan))
     return 0
+
+
+def _place(command: Next) -> Place | None:
+    """Return where the box is said to stand, if anybody says so."""
+    if command.place is not None:
+        return Place(np.array(command.place), AROUND if command.place_sigma is None else command.place_sigma)
+    if command.place_sigma is not None:
+        raise ConfigError(f"--place-sigma: got {command.place_sigma:g} and no place, wanted --place X Y Z, which it is said of")
+    return None
 
 
 def _policy(command: Next, scan: Scan) -> Policy:

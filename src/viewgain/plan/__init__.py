@@ -48,6 +48,7 @@ from viewgain.plan._policy import Assessment as Assessment
 from viewgain.plan._policy import CovariancePolicy as CovariancePolicy
 from viewgain.plan._policy import Policy as Policy
 from viewgain.plan._policy import RandomPolicy as RandomPolicy
+from viewgain.plan._policy import Selecting as Selecting
 from viewgain.plan._predict import MIN_FACE_PIXELS as MIN_FACE_PIXELS
 from viewgain.plan._predict import Prediction as Prediction
 from viewgain.plan._predict import predict as predict

@@ -17,7 +17,7 @@ from viewgain.plan._doubt import Hesitant
 from viewgain.plan._judge import VolumeJudge
 from viewgain.plan._next_view import Candidate, NextView
 from viewgain.plan._place import Place
-from viewgain.plan._policy import Assessment, CovariancePolicy, Delegating, Policy
+from viewgain.plan._policy import Assessment, CovariancePolicy, Delegating, Policy, Selecting
 from viewgain.rigs import Rig
 from viewgain.rigs import place as stand
 from viewgain.rigs import rig as find_rig
@@ -108,10 +108,12 @@ def next_view(
         decider = decider.deciding(believed)
     back = step_back(believed)
     poses = stand(stations, target_of(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
+    reachable = reachable_of(poses, believed, stations, measured.camera_to_world)
+    if isinstance(decider, Selecting):
+        decider = decider.among(np.array(reachable))
     assessments = decider.assess(believed, poses, tolerance)
     if objective == "volume":
         assessments = _told(assessments, CovariancePolicy(pose_sigma), believed, poses, tolerance)
-    reachable = reachable_of(poses, believed, stations, measured.camera_to_world)
     candidates = tuple(
         Candidate(index, pose, assessment, allowed)
         for index, (pose, assessment, allowed) in enumerate(zip(poses, assessments, reachable, strict=True))

@@ -5,7 +5,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from viewgain.arrays import Array, Poses, Vector
+from viewgain.arrays import Array, Mask, Poses, Vector
 from viewgain.geometry import inverse
 from viewgain.measure import Knowledge, marginal, pose_precision
 from viewgain.plan._belief import Belief, Outlook, normal_within, outlook, relative_sigma
@@ -60,6 +60,15 @@ class Delegating(Protocol):
 
     def deciding(self, belief: Belief) -> Policy:
         """Return who decides."""
+        ...
+
+
+@runtime_checkable
+class Selecting(Protocol):
+    """A policy to which it matters which candidates can be chosen: nothing is spent on others."""
+
+    def among(self, reachable: Mask) -> Policy:
+        """Return the policy that is told (V,) which of the candidates can be reached."""
         ...
 
 

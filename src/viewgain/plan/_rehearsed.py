@@ -5,7 +5,7 @@ a Beta distribution. Candidates that are surely worse are left alone, so effort 
 1994; docs/volume_nbv.md).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -44,7 +44,10 @@ class RehearsedPolicy:
     name: str = "rehearsed"
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
-        """Return one assessment per candidate; the score is 1 minus the error, with its standard deviation."""
+        """Return one assessment per candidate; the score is 1 minus the error, with its standard deviation.
+
+        A rehearsal takes as long as a scan and its measurement: a choice some seconds, none where one candidate surely is best.
+        """
         del tolerance
         by_box = np.array([self.expected.errors(belief, box, candidates) for box in belief.boxes])
         standing = Standing.before(by_box.mean(axis=0))
@@ -52,6 +55,10 @@ class RehearsedPolicy:
             standing = self._rehearsed(standing, by_box, belief, candidates)
         pairs = zip(standing.errors.tolist(), standing.sigma.tolist(), strict=True)
         return tuple(Assessment(1 - error, None, None, sigma) for error, sigma in pairs)
+
+    def among(self, reachable: Mask) -> "RehearsedPolicy":
+        """Return the policy that rehearses none but those (V,) candidates."""
+        return replace(self, reachable=reachable)
 
     def _rehearsed(self, standing: "Standing", by_box: Array, belief: Belief, candidates: Poses) -> "Standing":
         estimator = self.estimator or volume_estimator("default", belief.sensor)
