@@ -25,9 +25,9 @@ from viewgain.scenes import standing_box
 
 REHEARSALS = 8
 """Of each scan."""
-_WORDS = f"""Outcome: |relative volume error| of the one scan, a miss counts as 100 %. Rehearsed: mean of {REHEARSALS} scans by our
-simulator from the same pose. Of the four positions of a box at one level of noise each names the one of which it says least; the
-scan from there is what it gets. 95 % intervals by box and level."""
+_WORDS = f"""Outcome: |relative volume error| of the one scan, a miss counts as 100 %. Rehearsed: mean of {REHEARSALS} scans by
+our simulator from the same pose. Of the four positions of a box at one level of noise each names the one of which it says least;
+the scan from there is what it gets. 95 % intervals by box and level."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -81,7 +81,8 @@ class Trial:
 def trials(belief: Belief, arrivals: Arrivals, rng: np.random.Generator) -> Iterator[Trial]:
     """Yield trials without end: the believed boxes in a drawn order, every one once before any comes again.
 
-    The scene is the box alone. The camera is one of its model, with a systematic error as calibration leaves it.
+    The scene is the box alone. The camera is one of its model, with noise as on its data sheet and a systematic error as
+    calibration leaves it.
 
     Args:
         belief: What is believed about the box.

@@ -6,6 +6,7 @@ a Beta distribution. Candidates that are surely worse are left alone, so effort 
 """
 
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from viewgain.plan._rehearsal import Arrivals, arriving_within, trials
 WORTH = 4.0
 """As many rehearsals as the expected error is worth."""
 ROUND, MOST = 4, 24
-"""Rehearsals of a candidate before contenders are looked for anew, and the most of any."""
+"""Rehearsals of a candidate before contenders are looked for anew, and the most of any; the one divides the other."""
 APART = 2.0
 """A candidate contends while it may be the best: within so many standard deviations of the difference."""
 
@@ -64,15 +65,15 @@ class RehearsedPolicy:
         estimator = self.estimator or volume_estimator("default", belief.sensor)
         arrivals = self.arrivals or arriving_within(len(candidates))
         allowed = np.ones(len(candidates), dtype=bool) if self.reachable is None else self.reachable
-        contenders: Indices = np.zeros(0, dtype=np.intp)
-        for number, trial in enumerate(trials(belief, arrivals, np.random.default_rng(self.seed))):
-            if number % ROUND == 0:
-                contenders = standing.contenders(allowed)
-            if number == MOST or len(contenders) < 2:
-                return standing
-            found = [trial.outcome(index, candidates[index], belief.sensor, estimator) for index in contenders.tolist()]
-            standing = standing.after(contenders, np.array(found) - by_box[trial.of, contenders])
-        raise AssertionError("trials end")
+        tries = trials(belief, arrivals, np.random.default_rng(self.seed))
+        for _ in range(0, MOST, ROUND):
+            contenders = standing.contenders(allowed)
+            if len(contenders) < 2:
+                break
+            for trial in islice(tries, ROUND):
+                found = [trial.outcome(index, candidates[index], belief.sensor, estimator) for index in contenders.tolist()]
+                standing = standing.after(contenders, np.array(found) - by_box[trial.of, contenders])
+        return standing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
