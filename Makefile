@@ -106,7 +106,7 @@ table2-recorded: data/recordings-simulated/boxes.toml ## Simulate recordings as 
 # The networks that come with the package, alone and with the model, beside everything that needs none.
 volume_policies = network:pose_scores-$(1)-camera combined:pose_scores-$(1)-camera combined_around:pose_scores-$(1)-camera \
 	expected expected_around covariance farthest random constant oracle
-# Those that rehearse look at scans alone, and take ten seconds for each decision.
+# Those that rehearse look at scans alone; a decision takes ten seconds with a pico flexx, half a minute with an Xtion.
 rehearsing = rehearsed rehearsed_around
 
 volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume is chosen, on fresh boxes (hours; goes on where it was)

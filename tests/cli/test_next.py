@@ -272,7 +272,11 @@ def test_rehearsals_say_how_sure_each_score_is(
     expected, rehearsed = (plan_of([*arguments, policy], capsys) for policy in ("expected", "rehearsed"))
     assert rehearsed["policy"] == "rehearsed"
     assert rehearsed["candidates"][rehearsed["best"]]["reachable"]
-    assert all(0 < candidate["score_sigma"] < 0.25 for candidate in rehearsed["candidates"])
+    tried = [candidate for candidate in rehearsed["candidates"] if candidate["score_sigma"] is not None]
+    assert len(tried) > 1
+    for candidate in tried:  # of four rehearsals, and what was expected counts as four
+        assert candidate["score_sigma"] == pytest.approx(np.sqrt(candidate["score"] * (1 - candidate["score"]) / 9), rel=1e-2)
+        assert candidate["score"] != expected["candidates"][candidate["index"]]["score"]
     assert {candidate["score_sigma"] for candidate in expected["candidates"]} == {None}
     assert main(["next", *arguments, "rehearsed", "--objective", "coverage"]) == 2
     assert "which knows boxes only" in capsys.readouterr().err

@@ -17,9 +17,9 @@ from viewgain.evaluation import (
     volume_table,
 )
 from viewgain.evaluation._volume_case import _ASIDE, _CASE
-from viewgain.evaluation._volume_choices import policy_of
+from viewgain.evaluation._volume_choices import policy_of, volume_policy
 from viewgain.evaluation._volume_errors import _OTHERS
-from viewgain.plan import looked_at
+from viewgain.plan import AROUND, OnBelief, RehearsedPolicy, looked_at
 from viewgain.rigs import poses
 
 SETTINGS = VolumeSettings(captures=6)
@@ -127,6 +127,26 @@ def test_cameras_arrive_where_the_rig_sends_them() -> None:
     assert np.linalg.norm((jittered - case.stations)[:, :3, 3], axis=1).max() > 0.05
     still = volume_case(replace(SETTINGS, rig="ring8"), 0)  # a rig without jitter
     assert still.arrivals(np.random.default_rng(4)) == pytest.approx(np.broadcast_to(np.eye(4), (8, 4, 4)))
+
+
+def test_who_rehearses_is_told_the_question_and_nothing_of_the_answer() -> None:
+    cases = [volume_case(replace(SETTINGS, estimator=estimator), 1) for estimator in ("default", "lines_published")]
+    for name, around in (("rehearsed", None), ("rehearsed_around", AROUND)):
+        asked = [volume_policy(name, case) for case in cases]
+        for case, policy in zip(cases, asked, strict=True):
+            assert isinstance(policy, OnBelief)
+            assert policy.around == around
+            rehearsed = policy.policy
+            assert isinstance(rehearsed, RehearsedPolicy)
+            assert rehearsed.arrivals == case.arrivals
+            assert rehearsed.reachable is case.reachable
+            assert rehearsed.seed == case.number == 1
+        scan = cases[0].seen
+        assert scan is not None
+        first, second = (each.policy.estimator(scan) for each in asked)  # type: ignore[attr-defined]
+        assert first != second
+    with pytest.raises(ConfigError, match="they rehearse a scan alone"):
+        volume_policy("rehearsed", volume_case(replace(SETTINGS, fused=True), 1))
 
 
 def test_a_rig_in_the_middle_goes_without_saying() -> None:

@@ -204,6 +204,16 @@ class Sensor:
         """Return the same camera with perfect calibration (no scale, offset and periodic error)."""
         return replace(self, scale=0.0, offset=0.0, scale_sd=0.0, offset_sd=0.0, wiggle=0.0)
 
+    def noisier(self, factor: float) -> "Sensor":
+        """Return the same camera with ``factor`` times the noise of its ranges; jitter and lateral noise stay."""
+        return replace(
+            self,
+            noise_constant=factor * self.noise_constant,
+            noise_per_metre=factor * self.noise_per_metre,
+            noise_per_square_metre=factor * self.noise_per_square_metre,
+            noise_grazing=factor * self.noise_grazing,
+        )
+
     def _axial(self, ranges: Array) -> Array:
         return np.asarray(self.noise_constant + ranges * (self.noise_per_metre + ranges * self.noise_per_square_metre))
 

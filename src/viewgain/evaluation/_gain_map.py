@@ -118,9 +118,8 @@ def gain_map(settings: VolumeSettings, number: int, policies: Sequence[str]) -> 
     case = volume_case(settings, number)
     _require_apart(case)
     seen = seen_of(case)
-    believed = [
-        valued(volume_policy(name, case), seen) for name in policies
-    ]  # first: a bad file should not cost minutes of scans
+    # Policies before the truth: a bad file should not cost minutes of scans.
+    believed = [valued(volume_policy(name, case), seen) for name in policies]
     truth = position_scores(errors_of_scans(case, range(settings.captures)), case.reachable)
     return GainMap(
         case=case,

@@ -113,7 +113,7 @@ def _expected(case: DecisionCase, around: float | None = None) -> OnBelief[Expec
 def _rehearsed(case: VolumeCase, around: float | None = None) -> OnBelief[RehearsedPolicy]:
     check_rehearsing(case.settings)
     estimator = volume_estimator(case.settings.estimator, case.camera)
-    policy = RehearsedPolicy(estimator=estimator, arrivals=case.arrivals, reachable=case.reachable)
+    policy = RehearsedPolicy(estimator=estimator, arrivals=case.arrivals, reachable=case.reachable, seed=case.number)
     return OnBelief(policy, case.camera, around=around)
 
 

@@ -57,7 +57,6 @@ from viewgain.plan._rehearsal import Trial as Trial
 from viewgain.plan._rehearsal import arriving_within as arriving_within
 from viewgain.plan._rehearsal import trials as trials
 from viewgain.plan._rehearsed import RehearsedPolicy as RehearsedPolicy
-from viewgain.plan._rehearsed import Standing as Standing
 from viewgain.plan._showing import Showing as Showing
 from viewgain.plan._showing import showing as showing
 from viewgain.plan._views import Seen as Seen

@@ -13,10 +13,10 @@ import numpy as np
 from viewgain.arrays import Pose, Poses
 from viewgain.box import Box
 from viewgain.camera import Sensor
-from viewgain.errors import ViewgainError
+from viewgain.errors import ScanError
 from viewgain.gain import VolumeEstimator
 from viewgain.geometry import inverse, pose, rotation_from_rotvec
-from viewgain.measure import POSE_SIGMA
+from viewgain.measure import POSE_SIGMA, measure
 from viewgain.plan._belief import Belief
 from viewgain.rays import SceneCaster
 from viewgain.scenes import Scene
@@ -52,28 +52,29 @@ class Trial:
     """That box, present camera's frame."""
     caster: SceneCaster
     """It alone on its floor, in its own frame, ready for rays."""
+    sensor: Sensor
+    """The camera."""
     error: RangeError
-    """Systematic error of the camera."""
+    """Its systematic error."""
     arrived: Poses
-    """(V, 4, 4) where the camera arrives, each in the frame of its candidate."""
+    """(V, 4, 4) where it arrives, each in the frame of its candidate."""
     seed: int
     """Source of the noise."""
 
-    def outcome(self, index: int, camera_to_current: Pose, sensor: Sensor, estimator: VolumeEstimator) -> float:
+    def outcome(self, index: int, camera_to_current: Pose, estimator: VolumeEstimator) -> float:
         """Return min(|relative volume error|, 1) of one scan from candidate ``index``, and 1 for a miss.
 
         Args:
             index: Which candidate.
             camera_to_current: (4, 4) its pose.
-            sensor: The camera.
             estimator: Who measures.
         """
         camera_to_box = inverse(self.box.box_to_camera) @ camera_to_current @ self.arrived[index]
         rng = np.random.default_rng(self.seed)
         try:
-            scan = capture(self.caster, camera_to_box, sensor, rng=rng, error=self.error)
+            scan = capture(self.caster, camera_to_box, self.sensor, rng=rng, error=self.error)
             error = abs(estimator(scan) / self.box.volume - 1)
-        except (ViewgainError, np.linalg.LinAlgError):  # a miss is a miss, whatever its name
+        except (ScanError, np.linalg.LinAlgError):  # next to nothing comes back, or nothing can be made of it
             return 1.0
         return float(error) if error < 1.0 else 1.0  # NaN is no volume
 
@@ -81,17 +82,36 @@ class Trial:
 def trials(belief: Belief, arrivals: Arrivals, rng: np.random.Generator) -> Iterator[Trial]:
     """Yield trials without end: the believed boxes in a drawn order, every one once before any comes again.
 
-    The scene is the box alone. The camera is one of its model, with noise as on its data sheet and a systematic error as
-    calibration leaves it.
+    The scene is the box alone. The camera is one of its model, as noisy as the present scan (:func:`as_noisy`), with a systematic
+    error as calibration leaves it.
 
     Args:
         belief: What is believed about the box.
         arrivals: Where cameras arrive.
         rng: Source of all randomness.
     """
-    casters = [SceneCaster(Scene((Box(np.eye(4), box.extents),))) for box in belief.boxes]
+    casters, camera = [_alone(box) for box in belief.boxes], as_noisy(belief, rng)
     while True:
         for of in rng.permutation(len(casters)).tolist():
             error = draw_range_error(belief.sensor, rng=rng)
             arrived = arrivals(rng)
-            yield Trial(of, belief.boxes[of], casters[of], error, arrived, int(rng.integers(2**63)))
+            yield Trial(of, belief.boxes[of], casters[of], camera, error, arrived, int(rng.integers(2**63)))
+
+
+def as_noisy(belief: Belief, rng: np.random.Generator) -> Sensor:
+    """Return the camera with so much more noise than its data sheet has that a simulated scan is as noisy as the present one.
+
+    What a data sheet leaves out makes simulated scans noisier than it says, too, so one of the middle box is taken and measured
+    for comparison. Less noise than there is on the data sheet is never claimed; nor anything where that scan shows no box.
+    """
+    try:
+        scan = capture(_alone(belief.mean), inverse(belief.mean.box_to_camera), belief.sensor, rng=rng)
+        shown = measure(scan, camera=belief.sensor).boxes
+    except (ScanError, np.linalg.LinAlgError):
+        return belief.sensor
+    return belief.sensor.noisier(max(belief.noise / shown[0].views[0].noise, 1.0)) if shown else belief.sensor
+
+
+def _alone(box: Box) -> SceneCaster:
+    """Return a box on its floor, in its own frame."""
+    return SceneCaster(Scene((Box(np.eye(4), box.extents),)))

@@ -2,7 +2,7 @@
 
 What is expected of a candidate counts as much as :data:`WORTH` rehearsals: were a run a hit or a miss, this would be the mean of
 a Beta distribution. Candidates that are surely worse are left alone, so effort goes where the choice is (racing, Maron and Moore
-1994; docs/volume_nbv.md).
+1994; docs/volume_nbv.md); nobody is chosen untried where there is a choice.
 """
 
 from dataclasses import dataclass, field, replace
@@ -11,7 +11,9 @@ from itertools import islice
 import numpy as np
 
 from viewgain.arrays import Array, Indices, Mask, Poses, Vector
+from viewgain.errors import ConfigError
 from viewgain.gain import VolumeEstimator, volume_estimator
+from viewgain.measure import POSE_SIGMA
 from viewgain.plan._belief import Belief
 from viewgain.plan._expected import ExpectedErrorPolicy
 from viewgain.plan._policy import Assessment
@@ -37,7 +39,9 @@ class RehearsedPolicy:
     estimator: VolumeEstimator | None = None
     """Who measures; None for the default one."""
     arrivals: Arrivals | None = None
-    """Where cameras arrive that are sent to the candidates; None: normal about them, as ``POSE_SIGMA`` says."""
+    """Where cameras arrive that are sent to the candidates; None: normal about them, as ``pose_sigma`` says."""
+    pose_sigma: tuple[float, float] = POSE_SIGMA
+    """Standard deviation of a camera pose, metres and radians per axis."""
     reachable: Mask | None = None
     """(V,) candidates that can be chosen; nothing is rehearsed of others. None for all."""
     seed: int = 0
@@ -45,17 +49,20 @@ class RehearsedPolicy:
     name: str = "rehearsed"
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
-        """Return one assessment per candidate; the score is 1 minus the error, with its standard deviation.
+        """Return one assessment per candidate: 1 minus the error, and of those that were tried a bound of its standard deviation.
 
-        A rehearsal takes as long as a scan and its measurement: a choice some seconds, none where one candidate surely is best.
+        A rehearsal takes as long as simulating and measuring a scan; at most ``MOST`` of each candidate.
+
+        Raises:
+            ConfigError: If ``reachable`` is not of these candidates.
         """
         del tolerance
         by_box = np.array([self.expected.errors(belief, box, candidates) for box in belief.boxes])
         standing = Standing.before(by_box.mean(axis=0))
         if not belief.guessed:
             standing = self._rehearsed(standing, by_box, belief, candidates)
-        pairs = zip(standing.errors.tolist(), standing.sigma.tolist(), strict=True)
-        return tuple(Assessment(1 - error, None, None, sigma) for error, sigma in pairs)
+        rows = zip(standing.errors.tolist(), standing.sigma.tolist(), standing.tried > 0, strict=True)
+        return tuple(Assessment(1 - error, None, None, sigma if tried else None) for error, sigma, tried in rows)
 
     def among(self, reachable: Mask) -> "RehearsedPolicy":
         """Return the policy that rehearses none but those (V,) candidates."""
@@ -63,17 +70,27 @@ class RehearsedPolicy:
 
     def _rehearsed(self, standing: "Standing", by_box: Array, belief: Belief, candidates: Poses) -> "Standing":
         estimator = self.estimator or volume_estimator("default", belief.sensor)
-        arrivals = self.arrivals or arriving_within(len(candidates))
-        allowed = np.ones(len(candidates), dtype=bool) if self.reachable is None else self.reachable
+        arrivals = self.arrivals or arriving_within(len(candidates), self.pose_sigma)
+        allowed = self._allowed(len(candidates))
+        if allowed.sum() < 2:
+            return standing
         tries = trials(belief, arrivals, np.random.default_rng(self.seed))
         for _ in range(0, MOST, ROUND):
             contenders = standing.contenders(allowed)
-            if len(contenders) < 2:
+            if len(contenders) == 1 and standing.tried[contenders] > 0:
                 break
             for trial in islice(tries, ROUND):
-                found = [trial.outcome(index, candidates[index], belief.sensor, estimator) for index in contenders.tolist()]
+                found = [trial.outcome(index, candidates[index], estimator) for index in contenders.tolist()]
                 standing = standing.after(contenders, np.array(found) - by_box[trial.of, contenders])
         return standing
+
+    def _allowed(self, count: int) -> Mask:
+        """Return (count,) candidates that can be chosen."""
+        if self.reachable is None:
+            return np.ones(count, dtype=bool)
+        if self.reachable.shape != (count,):
+            raise ConfigError(f"rehearsed: got reachable {self.reachable.shape} for {count} candidates, wanted one for each")
+        return self.reachable
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,7 +116,7 @@ class Standing:
 
     @property
     def sigma(self) -> Vector:
-        """(V,) its standard deviation, that of a Beta distribution."""
+        """(V,) its standard deviation if every run were a hit or a miss, of a Beta distribution; the most that it can be."""
         return np.sqrt(self.errors * (1 - self.errors) / (WORTH + self.tried + 1))
 
     def after(self, at: Indices, surprises: Vector) -> "Standing":
@@ -110,9 +127,7 @@ class Standing:
         return Standing(self.expected, surprise, tried)
 
     def contenders(self, allowed: Mask) -> Indices:
-        """Return the allowed candidates that may still be the best, ascending: one where it is clear which, none of none."""
-        if not allowed.any():
-            return np.zeros(0, dtype=np.intp)
+        """Return the allowed candidates, one at least, that may still be the best, ascending: one where it is clear which."""
         errors, sigma = np.where(allowed, self.errors, np.inf), self.sigma
         best = int(np.argmin(errors))
         return np.flatnonzero(allowed & (errors - errors[best] <= APART * np.hypot(sigma, sigma[best])))
