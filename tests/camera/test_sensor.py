@@ -283,3 +283,13 @@ def test_neighbouring_values_are_a_quantum_apart(step: float, growth: float) -> 
     camera = replace(CAMERA, step=step, step_per_square_metre=growth)
     values = np.unique(np.round(camera.rounded(np.linspace(0.5, 3, 200_001)), 9))
     np.testing.assert_allclose(np.diff(values)[1:-1], camera.quantum((values[1:] + values[:-1]) / 2)[1:-1], rtol=0.02)
+
+
+@pytest.mark.parametrize("name", ["pico_flexx", "kinect_v2", "xtion"])
+def test_a_noisier_camera_has_as_much_more_noise_at_every_range_and_incidence(name: str) -> None:
+    camera = replace(sensor(name), jitter_px=0.0)
+    ranges, cosine = np.array([0.4, 1.0, 3.0]), np.array([1.0, 0.7, 0.3])
+    louder = camera.noisier(2.5)
+    assert louder.range_sigma(ranges, cosine) == pytest.approx(2.5 * camera.range_sigma(ranges, cosine))
+    assert louder.noisier(0.4).range_sigma(ranges, cosine) == pytest.approx(camera.range_sigma(ranges, cosine))
+    assert sensor(name).noisier(2.5).lateral_sigma(cosine) == pytest.approx(sensor(name).lateral_sigma(cosine))
