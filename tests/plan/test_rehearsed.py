@@ -224,7 +224,7 @@ def test_scores_are_the_mean_of_expectation_and_rehearsals() -> None:
 
 def test_of_several_boxes_each_is_held_against_what_was_expected_of_it() -> None:
     """A box that is hard to measure comes up in a rehearsal: no surprise, so nothing is learned from it."""
-    belief, policy = belief_in(*(scaled(factor) for factor in (0.5, 1.0, 2.0))), ExpectedErrorPolicy(fused=False)
+    belief, policy = belief_in(*(scaled(factor) for factor in (0.5, 0.7, 1.0, 1.5, 2.0))), ExpectedErrorPolicy(fused=False)
     rehearsed = islice(trials(belief, EXACTLY, np.random.default_rng(0)), MOST)
     answers = iter([
         trial.box.volume * (1 + error) for trial in rehearsed for error in policy.errors(belief, trial.box, CANDIDATES)
