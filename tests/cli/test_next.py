@@ -278,6 +278,8 @@ def test_rehearsals_say_how_sure_each_score_is(
         assert candidate["score_sigma"] == pytest.approx(np.sqrt(candidate["score"] * (1 - candidate["score"]) / 9), rel=1e-2)
         assert candidate["score"] != expected["candidates"][candidate["index"]]["score"]
     assert {candidate["score_sigma"] for candidate in expected["candidates"]} == {None}
+    assert main(["next", *arguments, "rehearsed"]) == 0
+    assert "note: trying views out in simulation first" in capsys.readouterr().err
     assert main(["next", *arguments, "rehearsed", "--objective", "coverage"]) == 2
     assert "which knows boxes only" in capsys.readouterr().err
 

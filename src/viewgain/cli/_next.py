@@ -45,6 +45,11 @@ def run_next(command: Next) -> int:
     scans = [read_one(path, index, command.reading) for index, path in enumerate(command.scans)]
     camera, floor = command.reading.camera, read_floor(command.reading)
     current = measure(scans[0], camera=camera, floor=floor) if len(scans) == 1 else fuse(scans, camera=camera, floor=floor)
+    if command.deciding.policy == "rehearsed" and not command.json:
+        print(
+            "viewgain: note: trying views out in simulation first; eight of them take up to two minutes",
+            file=sys.stderr,
+        )
     plan = next_view(
         current,
         command.rig,
