@@ -54,8 +54,6 @@ VOLUME_DECIDING: Mapping[str, Callable[[VolumeCase], ViewPolicy]] = {
 }
 """The same where a position is judged by its scans of a box: ``rehearsed`` goes by the expected error and by scans of the box
 believed in, simulated and measured as those that judge it are; ``rehearsed_around`` is told as much as ``expected_around``."""
-REHEARSING = ("rehearsed", "rehearsed_around")
-"""Those that rehearse scans alone, and have no opinion of what is fused."""
 FROM_FILE = ("network", "combined", "combined_around")
 """Policies that are named with a file, ``network:FILE.onnx``: by its scores alone, or with a say for ``expected``
 or ``expected_around``."""
@@ -131,7 +129,12 @@ def check_rehearsing(settings: VolumeSettings) -> None:
 
 def is_told(name: str) -> bool:
     """Return whether a policy is told that the rig was put up around the box."""
-    return name.partition(":")[0] in ("expected_around", "combined_around", "rehearsed_around")
+    return name.partition(":")[0].endswith("_around")
+
+
+def rehearses(name: str) -> bool:
+    """Return whether a policy tries scans out, each alone, and so has no opinion of what is fused."""
+    return name.startswith("rehearsed")
 
 
 def around_of(settings: Question) -> float:

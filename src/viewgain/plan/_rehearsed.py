@@ -2,10 +2,10 @@
 
 What is expected of a candidate counts as much as :data:`WORTH` rehearsals: were a run a hit or a miss, this would be the mean of
 a Beta distribution. Candidates that are surely worse are left alone, so effort goes where the choice is (racing, Maron and Moore
-1994; docs/volume_nbv.md); nobody is chosen untried where there is a choice.
+1994; docs/volume_nbv.md); a favourite is tried as well before it wins.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -13,7 +13,6 @@ import numpy as np
 from viewgain.arrays import Array, Indices, Mask, Poses, Vector
 from viewgain.errors import ConfigError
 from viewgain.gain import VolumeEstimator, volume_estimator
-from viewgain.measure import POSE_SIGMA
 from viewgain.plan._belief import Belief
 from viewgain.plan._expected import ExpectedErrorPolicy
 from viewgain.plan._policy import Assessment
@@ -25,6 +24,8 @@ ROUND, MOST = 4, 24
 """Rehearsals of a candidate before contenders are looked for anew, and the most of any; the one divides the other."""
 APART = 2.0
 """A candidate contends while it may be the best: within so many standard deviations of the difference."""
+_FORMULA = ExpectedErrorPolicy(fused=False)
+"""Who is asked first, of scans alone."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,14 +35,10 @@ class RehearsedPolicy:
     Where the box is only guessed at, rehearsals would be of something else: there the expected error decides.
     """
 
-    expected: ExpectedErrorPolicy = field(default_factory=lambda: ExpectedErrorPolicy(fused=False))
-    """Who is asked first; of scans alone."""
     estimator: VolumeEstimator | None = None
     """Who measures; None for the default one."""
     arrivals: Arrivals | None = None
-    """Where cameras arrive that are sent to the candidates; None: normal about them, as ``pose_sigma`` says."""
-    pose_sigma: tuple[float, float] = POSE_SIGMA
-    """Standard deviation of a camera pose, metres and radians per axis."""
+    """Where cameras arrive that are sent to the candidates; None: :func:`viewgain.plan.arriving_within` them."""
     reachable: Mask | None = None
     """(V,) candidates that can be chosen; nothing is rehearsed of others. None for all."""
     seed: int = 0
@@ -57,7 +54,7 @@ class RehearsedPolicy:
             ConfigError: If ``reachable`` is not of these candidates.
         """
         del tolerance
-        by_box = np.array([self.expected.errors(belief, box, candidates) for box in belief.boxes])
+        by_box = np.array([_FORMULA.errors(belief, box, candidates) for box in belief.boxes])
         standing = Standing.before(by_box.mean(axis=0))
         if not belief.guessed:
             standing = self._rehearsed(standing, by_box, belief, candidates)
@@ -70,7 +67,7 @@ class RehearsedPolicy:
 
     def _rehearsed(self, standing: "Standing", by_box: Array, belief: Belief, candidates: Poses) -> "Standing":
         estimator = self.estimator or volume_estimator("default", belief.sensor)
-        arrivals = self.arrivals or arriving_within(len(candidates), self.pose_sigma)
+        arrivals = self.arrivals or arriving_within(len(candidates))
         allowed = self._allowed(len(candidates))
         if allowed.sum() < 2:
             return standing
