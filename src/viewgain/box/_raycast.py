@@ -14,6 +14,8 @@ from viewgain.box._box import FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
 SLIVER = 0.02
 """A face seen under a smaller sine than this (1.1 degrees) is under a pixel wide: rays are taken past it to the next face."""
 
+_FACES = tuple((int(np.flatnonzero(normal)[0]), float(normal.sum())) for normal in PLANE_NORMALS[:FLOOR])
+"""Axis of the box that each face is perpendicular to, and which way along it the face looks."""
 _ACROSS = tuple(tuple(int(k) for k in np.flatnonzero(normal == 0)) for normal in PLANE_NORMALS)
 """The two axes of the box that each plane contains."""
 _BASES = np.array([
@@ -61,19 +63,16 @@ def box_hits(box: Box, directions: Points) -> Hits:
     ranges = np.full(len(directions), -np.inf)
     planes = np.zeros(len(directions), dtype=np.intp)
     cosine = np.zeros(len(directions))
-    for face in range(FLOOR):
-        axis = int(np.argmax(np.abs(PLANE_NORMALS[face])))
-        sign = PLANE_NORMALS[face, axis]
+    for face, (axis, sign) in enumerate(_FACES):
         height = sign * origin[axis] - offsets[face]
         if height <= SLIVER * distance_to_origin:
             continue
-        approach = -sign * along[axis]
-        with np.errstate(divide="ignore"):
-            distance = np.where(approach > 1e-9, height / np.maximum(approach, 1e-9), -np.inf)
-        nearer = distance > ranges
-        ranges = np.where(nearer, distance, ranges)
-        planes = np.where(nearer, face, planes)
-        cosine = np.where(nearer, approach, cosine)
+        approach = along[axis] * -sign
+        distance = height / np.maximum(approach, 1e-9)
+        farther = (distance > ranges) & (approach > 1e-9)
+        np.copyto(ranges, distance, where=farther)
+        np.copyto(planes, face, where=farther)
+        np.copyto(cosine, approach, where=farther)
     ranges[np.isneginf(ranges)] = np.inf
     return Hits(ranges, planes, cosine)
 

@@ -4,6 +4,7 @@ Image coordinates here are the normalised ones, (x/z, y/z), in which straight ed
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,7 +15,7 @@ NEAR = 0.02
 """Corners nearer than this to the image plane through the camera are held at it, metres."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Outline:
     """The convex outline of a box as the camera sees it."""
 
@@ -23,15 +24,20 @@ class Outline:
     corners: Indices
     """(k,) which corner of the box each vertex is."""
 
-    def tangents(self) -> Points2:
-        """Return the (k, 2) unit directions of the edges, each from its vertex to the next."""
-        side = following(self.vertices) - self.vertices
-        return np.asarray(side / np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None])
+    @cached_property
+    def lengths(self) -> Array:
+        """(k,) lengths of the edges."""
+        return np.asarray(np.maximum(np.linalg.norm(following(self.vertices) - self.vertices, axis=1), 1e-12))
 
+    @cached_property
+    def tangents(self) -> Points2:
+        """(k, 2) unit directions of the edges, each from its vertex to the next."""
+        return np.asarray((following(self.vertices) - self.vertices) / self.lengths[:, None])
+
+    @cached_property
     def inward(self) -> Points2:
-        """Return the (k, 2) unit normals of the edges, pointing inside."""
-        tangent = self.tangents()
-        return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+        """(k, 2) unit normals of the edges, pointing inside."""
+        return np.stack([-self.tangents[:, 1], self.tangents[:, 0]], axis=1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +59,9 @@ class EdgeDistances:
 def outline(box: Box) -> Outline:
     """Return the convex hull of the box's eight projected corners (Andrew's monotone chain)."""
     points = _project(box.corners())
-    order = np.lexsort((points[:, 1], points[:, 0]))
-    hull: Indices = np.array([*_half_hull(points, order), *_half_hull(points, order[::-1])], dtype=np.intp)
+    corners = list(zip(*points.T.tolist(), strict=True))  # plain numbers: of eight points arrays take ten times as long
+    order = sorted(range(len(corners)), key=corners.__getitem__)
+    hull: Indices = np.array([*_half_hull(corners, order), *_half_hull(corners, order[::-1])], dtype=np.intp)
     return Outline(points[hull], hull)
 
 
@@ -64,20 +71,22 @@ def edge_distances(shape: Outline, points: Points2) -> EdgeDistances:
     Outside near a vertex this is the distance to the farther edge's line, an under-estimate that is right where it matters,
     within a few pixels of the edges.
     """
-    start = shape.vertices
-    length = np.maximum(np.linalg.norm(following(start) - start, axis=1), 1e-12)
-    tangent = shape.tangents()
-    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    start, tangent, inward = shape.vertices, shape.tangents, shape.inward
     offset, origin = np.sum(start * inward, axis=1), np.sum(start * tangent, axis=1)
     x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
-    # Edge by edge on columns: an argmin over an (n, k) array takes several times as long.
-    distance, edge = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.intp)
-    for k in range(len(start)):
-        signed = inward[k, 0] * x + inward[k, 1] * y - offset[k]
+    # Edge by edge on columns, in place: an argmin over an (n, k) array takes several times as long.
+    distance, edge = np.full(len(x), np.inf), np.zeros(len(x), dtype=np.intp)
+    signed, rest = np.empty(len(x)), np.empty(len(x))
+    for k, (across, down, level) in enumerate(zip(*inward.T.tolist(), offset.tolist(), strict=True)):
+        np.multiply(x, across, out=signed)
+        np.multiply(y, down, out=rest)
+        signed += rest
+        signed -= level
         np.copyto(edge, k, where=signed < distance)
         np.minimum(distance, signed, out=distance)
-    along = (tangent[edge, 0] * x + tangent[edge, 1] * y - origin[edge]) / length[edge]
-    return EdgeDistances(distance, edge, np.clip(along, 0.0, 1.0))
+    along = tangent[:, 0].take(edge) * x + tangent[:, 1].take(edge) * y - origin.take(edge)
+    along /= shape.lengths.take(edge)
+    return EdgeDistances(distance, edge, np.clip(along, 0.0, 1.0, out=along))
 
 
 def edge_jacobian(box: Box, shape: Outline, distances: EdgeDistances) -> Array:
@@ -93,7 +102,7 @@ def edge_end_jacobians(box: Box, shape: Outline) -> tuple[Array, Array]:
     In between they are mixed linearly: an edge moves with the two corners that carry it.
     """
     corner_steps = _corner_jacobian(box)[shape.corners]
-    inward = shape.inward()
+    inward = shape.inward
     at_start = -(inward[:, None] @ corner_steps)[:, 0]
     at_end = -(inward[:, None] @ following(corner_steps))[:, 0]
     return np.asarray(at_start), np.asarray(at_end)
@@ -143,15 +152,15 @@ def _corner_jacobian(box: Box) -> Array:
     return np.asarray(projection @ steps)
 
 
-def _half_hull(points: Points2, order: Indices) -> list[int]:
+def _half_hull(points: list[tuple[float, float]], order: list[int]) -> list[int]:
     """Return one chain of the convex hull, without its last vertex."""
     chain: list[int] = []
     for index in order:
         while len(chain) > 1 and _turn(points[chain[-2]], points[chain[-1]], points[index]) <= 0:
             chain.pop()
-        chain.append(int(index))
+        chain.append(index)
     return chain[:-1]
 
 
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -11,7 +11,7 @@ import numpy as np
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, PLANE_NORMALS, Box
 from viewgain.camera import Sensor
-from viewgain.measure._likelihood import Evaluation, evaluate, log_likelihood
+from viewgain.measure._likelihood import Evaluation, evaluate
 from viewgain.measure._mixture import Pixels, Softness
 
 COARSE = (Softness(4.0, 0.02, 1.0), Softness(2.0, 0.01, 1.0))
@@ -68,6 +68,11 @@ class Fit:
     value: float
     """Log posterior, up to a constant."""
 
+    @property
+    def softness(self) -> Softness:
+        """How sharply it was looked at."""
+        return self.evaluations[0].softness
+
 
 def marginal(information: Array, systematic: Array, pose_precision: Array | None) -> tuple[Array, Array]:
     """Return a view's (9, 9) information and (9, k) systematic gradient with its pose error integrated out (Schur complement).
@@ -92,24 +97,30 @@ def refine(
     *,
     held: int | None = None,
 ) -> Fit:
-    """Return the box after up to ``steps`` damped scoring steps at each level of ``schedule``.
+    """Return the box after up to ``steps`` damped scoring steps at each level of ``schedule`` (:func:`climbed`).
 
     ``corrections`` are the (views, 6) pose errors to start from, zero if not given; the extent along the axis ``held`` stays.
+    """
+    start = _evaluated(box, np.zeros((len(views), 6)) if corrections is None else corrections, views, schedule[0])
+    return climbed(start, schedule, steps, held=held)
+
+
+def climbed(fit: Fit, schedule: tuple[Softness, ...], steps: int, *, held: int | None = None) -> Fit:
+    """Return a fit after up to ``steps`` more damped scoring steps at each level of ``schedule``.
 
     The prior on each extent is log-uniform (scale-free): its pull is far below the data's wherever the data speak, and where
     nothing bounds an extent from above it leaves it at its lower bound.
     """
-    fit = _evaluated(box, np.zeros((len(views), 6)) if corrections is None else corrections, views, schedule[0])
-    for level, softness in enumerate(schedule):
-        if level:
-            fit = _evaluated(fit.box, fit.corrections, views, softness)
+    for softness in schedule:
+        if fit.softness != softness:
+            fit = _evaluated(fit.box, fit.corrections, fit.views, softness)
         damping = 1e-3
         for _ in range(steps):
             step, promised = _step(fit, damping, held)
             if promised < softness.settled:
                 break
             trial = _evaluated(
-                fit.box.moved(step[:PARAMETERS]), fit.corrections + step[PARAMETERS:].reshape(-1, 6), views, softness
+                fit.box.moved(step[:PARAMETERS]), fit.corrections + step[PARAMETERS:].reshape(-1, 6), fit.views, softness
             )
             if trial.value > fit.value:
                 gain = trial.value - fit.value
@@ -123,20 +134,21 @@ def refine(
     return fit
 
 
-def polled(fit: Fit, softness: Softness, reach: float) -> Box:
+def polled(fit: Fit, reach: float) -> Box:
     """Return the likeliest of the fitted box and the boxes with one side face moved in or out by ``reach`` metres.
 
     Which pixels hit is a step function underneath, so the likelihood has side peaks a few pixels from an edge; a fit that
     stopped on one is taken off it here, to be refined again. Faces with many range readings stay where those put them.
     """
-    boxes = [fit.box]
+    best, value = fit.box, sum(evaluation.value for evaluation in fit.evaluations)
     for axis, side in _unpinned(fit):
         for distance in (-reach, reach):
             step = np.zeros(PARAMETERS)
             step[3 + axis], step[6 + axis] = side * distance, distance
             moved = fit.box.moved(step)
-            boxes += [moved] if np.all(moved.extents >= _MIN_EXTENT) else []
-    return max(boxes, key=lambda box: value_at(box, fit, softness))
+            if np.all(moved.extents >= _MIN_EXTENT) and (there := value_at(moved, fit)) > value:
+                best, value = moved, there
+    return best
 
 
 def _readings(fit: Fit) -> Array:
@@ -150,12 +162,9 @@ def _unpinned(fit: Fit) -> list[tuple[int, float]]:
     return [end for end, count in zip(ends, _readings(fit), strict=False) if count < _PINNING]
 
 
-def value_at(box: Box, fit: Fit, softness: Softness) -> float:
-    """Return the log likelihood of the views of ``fit`` at another box, their pose corrections held."""
-    return sum(
-        log_likelihood(view.sees(box, correction), view.pixels, view.sensor, view.noise, softness)
-        for view, correction in zip(fit.views, fit.corrections, strict=True)
-    )
+def value_at(box: Box, fit: Fit) -> float:
+    """Return the log likelihood of the views of ``fit`` at another box, looked at as sharply, their pose corrections held."""
+    return sum(evaluation.value for evaluation in _of_views(box, fit.corrections, fit.views, fit.softness))
 
 
 def estimate_noise(fit: Fit) -> tuple[float, ...]:
@@ -173,15 +182,19 @@ def _noise(view: View, evaluation: Evaluation) -> float:
 
 
 def _evaluated(box: Box, corrections: Array, views: tuple[View, ...], softness: Softness) -> Fit:
-    evaluations = tuple(
-        evaluate(view.sees(box, correction), view.pixels, view.sensor, view.noise, softness)
-        for view, correction in zip(views, corrections, strict=True)
-    )
+    evaluations = _of_views(box, corrections, views, softness)
     value = sum(evaluation.value for evaluation in evaluations) - float(np.log(box.extents).sum())
     for view, correction in zip(views, corrections, strict=True):
         if view.pose_precision is not None:
             value -= 0.5 * float(correction @ view.pose_precision @ correction)
     return Fit(box, views, evaluations, corrections, value)
+
+
+def _of_views(box: Box, corrections: Array, views: tuple[View, ...], softness: Softness) -> tuple[Evaluation, ...]:
+    return tuple(
+        evaluate(view.sees(box, correction), view.pixels, view.sensor, view.noise, softness)
+        for view, correction in zip(views, corrections, strict=True)
+    )
 
 
 def _step(fit: Fit, damping: float, held: int | None) -> tuple[Array, float]:
@@ -190,16 +203,17 @@ def _step(fit: Fit, damping: float, held: int | None) -> tuple[Array, float]:
     gradient, information = np.zeros(size), np.zeros((size, size))
     own = slice(0, PARAMETERS)
     for k, (view, evaluation) in enumerate(zip(fit.views, fit.evaluations, strict=True)):
-        gradient[own] += evaluation.gradient
-        information[own, own] += evaluation.information
+        found = evaluation.derivatives
+        gradient[own] += found.gradient
+        information[own, own] += found.information
         pose = slice(PARAMETERS + 6 * k, PARAMETERS + 6 * k + 6)
         if view.pose_precision is None:
             information[pose, pose] = np.eye(6)
             continue
-        gradient[pose] = evaluation.gradient[:6] - view.pose_precision @ fit.corrections[k]
-        information[pose, pose] = evaluation.information[:6, :6] + view.pose_precision
-        information[own, pose] = evaluation.information[:, :6]
-        information[pose, own] = evaluation.information[:6]
+        gradient[pose] = found.gradient[:6] - view.pose_precision @ fit.corrections[k]
+        information[pose, pose] = found.information[:6, :6] + view.pose_precision
+        information[own, pose] = found.information[:, :6]
+        information[pose, own] = found.information[:6]
     gradient[6:PARAMETERS] -= 1 / fit.box.extents
     information[range(6, PARAMETERS), range(6, PARAMETERS)] += 1 / fit.box.extents**2
     if held is not None:

@@ -8,6 +8,7 @@ pixels are taken there and carried to the nine parameters once per plane and edg
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -22,11 +23,9 @@ _HALF_LOG_TWO_PI = 0.9189385332046727
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Evaluation:
-    """Value and derivatives of the log likelihood at one box, and what each pixel was taken for."""
+class Derivatives:
+    """How the log likelihood changes with the box, and with where its edges are shown."""
 
-    value: float
-    """Log likelihood, up to a constant."""
     gradient: Array
     """(9,) its derivative with respect to a step of the box (Box.moved)."""
     information: Array
@@ -35,14 +34,32 @@ class Evaluation:
     """(k, 9) gradient caused by each edge of the outline being shown one pixel too far out."""
     edge_precision: Array
     """(k,) information about where each edge of the outline lies, per square pixel."""
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """The log likelihood at one box, and what each pixel was taken for; derivatives, if asked for, cost half as much."""
+
     box: Box
     """The box, in the frame of the camera that took the pixels."""
     pixels: Pixels
     """What the camera saw."""
     sensor: Sensor
     """Its noise model."""
+    softness: Softness
+    """How sharply it was looked at."""
     mixture: Mixture
     """What each pixel was taken for."""
+
+    @property
+    def value(self) -> float:
+        """Log likelihood, up to a constant."""
+        return self.mixture.value
+
+    @cached_property
+    def derivatives(self) -> Derivatives:
+        """Its derivatives."""
+        return _derivatives(self)
 
     @property
     def systematic(self) -> Array:
@@ -107,13 +124,8 @@ class _Readings:
     """(m,) measured minus predicted, metres."""
 
 
-def log_likelihood(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness) -> float:
-    """Return the log likelihood alone; the arguments are those of :func:`evaluate`."""
-    return mix(box, pixels, sensor, noise, softness).value
-
-
 def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness) -> Evaluation:
-    """Return the log likelihood of ``pixels`` given ``box``, with its gradient and information.
+    """Return the log likelihood of ``pixels`` given ``box``.
 
     Args:
         box: The hypothesis, with its floor.
@@ -122,15 +134,19 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
         noise: Factor on the sensor's noise, as estimated from this scan.
         softness: Blur of outline and range.
     """
-    mixture = mix(box, pixels, sensor, noise, softness)
+    return Evaluation(box, pixels, sensor, softness, mix(box, pixels, sensor, noise, softness))
+
+
+def _derivatives(evaluation: Evaluation) -> Derivatives:
+    box, pixels, mixture = evaluation.box, evaluation.pixels, evaluation.mixture
     gradient, information = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS))
-    for readings in _all_readings(pixels, sensor, mixture):
+    for readings in _all_readings(pixels, evaluation.sensor, mixture):
         for mine, local, basis in range_jacobian_factors(box, readings.directions, readings.hits):
             weighted = local * readings.precision[mine]
             gradient += basis.T @ (weighted @ readings.misfit[mine])
             information += basis.T @ (weighted @ local.T) @ basis
 
-    slope, curvature = _edge_terms(mixture, softness.edge)
+    slope, curvature = _edge_terms(mixture, evaluation.softness.edge)
     edge, along = mixture.edges.edge[mixture.band.at], mixture.edges.along[mixture.band.at]
     ends = np.stack(edge_end_jacobians(box, mixture.shape), axis=1) / pixels.pitch  # [edges, 2, 9]
     share = (1 - along, along)
@@ -139,16 +155,11 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
     gram = np.stack([first, both, both, second], axis=1).reshape(-1, 2, 2)  # [edges, 2, 2]
     push = np.stack([np.bincount(edge, slope * a, counted) for a in share], axis=1)  # [edges, 2]
     carried = gram @ ends  # [edges, 2, 9]
-    return Evaluation(
-        mixture.value,
+    return Derivatives(
         gradient + push.ravel() @ ends.reshape(-1, PARAMETERS),
         information + ends.reshape(-1, PARAMETERS).T @ carried.reshape(-1, PARAMETERS),
         carried.sum(axis=1),
         gram.sum(axis=(1, 2)),
-        box,
-        pixels,
-        sensor,
-        mixture,
     )
 
 

@@ -184,7 +184,7 @@ def mix(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softne
         faces, ground = _with_other_objects(pixels, faces, ground)
 
     inner = pixels.directions[at]
-    inner[:, :2] += 0.5 * pixels.pitch * shape.inward()[edges.edge[at]]
+    inner[:, :2] += 0.5 * pixels.pitch * shape.inward[edges.edge[at]]
     shown = inside[at] + bloom(faces.take(in_box), box_hits(box, inner), ground.take(in_floor), sensor)
     s, box_density, floor_density = shown, faces.density[in_box], ground.density[in_floor]
     seen, unseen = ndtr(s / softness.edge), ndtr(-s / softness.edge)

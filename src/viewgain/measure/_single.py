@@ -7,7 +7,7 @@ import numpy as np
 from viewgain.arrays import Mask
 from viewgain.box import Box
 from viewgain.camera import Sensor
-from viewgain.measure._fit import COARSE, FINE, SHARP, Fit, View, estimate_noise, polled, refine
+from viewgain.measure._fit import COARSE, FINE, SHARP, Fit, View, climbed, estimate_noise, polled, refine
 from viewgain.measure._floor import Floor
 from viewgain.measure._hypotheses import hypotheses
 from viewgain.measure._pixels import edges_kept, leftover, pixels_around, thinned
@@ -86,10 +86,10 @@ def fitted(
     guesses = [start] if start is not None else hypotheses(image.points[own], floor)
     coarse = View(thinned(pixels, _COARSE_PIXELS), model, floor.noise)
     blurred = max((refine(guess, (coarse,), COARSE[:1], 2) for guess in guesses), key=lambda fit: fit.value)
-    rough = refine(blurred.box, (coarse,), COARSE, 6)
+    rough = climbed(blurred, COARSE, 6)
     view = View(edges_kept(pixels, rough.box, _FINE_PIXELS), model, noise_of(rough, noise_known=noise_known))
     fit = refine(rough.box, (view,), FINE, 6)
-    moved = polled(fit, SHARP[0], _POLL_PX * image.pitch * float(np.linalg.norm(fit.box.centre)))
+    moved = polled(fit, _POLL_PX * image.pitch * float(np.linalg.norm(fit.box.centre)))
     if moved is not fit.box:
         fit = refine(moved, (view,), FINE, 6)
     final = View(edges_kept(pixels, fit.box, _FINAL_PIXELS), model, noise_of(fit, noise_known=noise_known))

@@ -94,8 +94,9 @@ def believed(view: View, evaluation: Evaluation) -> tuple[Array, Array]:
     Each edge's own shift is integrated out of the information; of a shift d that leaves d / (1 + precision sigma^2).
     """
     sigma = view.sensor.edge_sigma(evaluation.edge_cosine)
-    free = without_edge_bias(evaluation.information, evaluation.edge_pull, evaluation.edge_precision, sigma)
-    return free, np.column_stack([evaluation.systematic, common_shift(evaluation.edge_pull, evaluation.edge_precision, sigma)])
+    found = evaluation.derivatives
+    free = without_edge_bias(found.information, found.edge_pull, found.edge_precision, sigma)
+    return free, np.column_stack([evaluation.systematic, common_shift(found.edge_pull, found.edge_precision, sigma)])
 
 
 def common_shift(edge_pull: Array, edge_precision: Array, edge_sigma: Array) -> Array:
