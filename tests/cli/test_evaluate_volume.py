@@ -69,6 +69,26 @@ def test_the_table_is_that_of_scans_by_hand_and_a_second_run_takes_what_is_kept(
         assert "Traceback" not in said
 
 
+def test_parts_of_a_run_join_to_the_whole(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    def run(out: str, *arguments: str) -> dict[str, Any]:
+        return evaluated(capsys, "--policies", "farthest", *arguments, "--out", tmp_path / out)
+
+    part, other = run("part"), run("other", "--first", "1")
+    assert (part["first"], other["first"]) == (0, 1)
+    heading = "## Next best view for volume: 2 fresh boxes of seed 5 from number 1 on,"
+    assert (tmp_path / "other" / "volume.md").read_text().startswith(heading)
+    ours, theirs = tmp_path / "part" / "boxes", tmp_path / "other" / "boxes"
+    assert [file.name for file in sorted(theirs.iterdir())] == ["box00001.json", "box00002.json"]
+    assert (ours / "box00001.json").read_bytes() == (theirs / "box00001.json").read_bytes()
+    (theirs / "box00002.json").rename(ours / "box00002.json")
+    made = [file.stat().st_mtime_ns for file in sorted(ours.iterdir())]
+    whole = run("part", "--boxes", "3")
+    assert [file.stat().st_mtime_ns for file in sorted(ours.iterdir())] == made
+    overlap = run("part", "--boxes", "2", "--first", "1")
+    assert overlap["rows"][0]["shares"] == other["rows"][0]["shares"]
+    assert whole["boxes"] == 3
+
+
 def test_scans_by_other_cameras_are_added_to_what_is_kept(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """The slow twin gives the case another camera, one for each scan; what was kept before stays as it was."""
     evaluated(capsys, "--policies", "random", "--out", tmp_path)
@@ -196,6 +216,7 @@ def believed(case: VolumeCase, view: int, number: int) -> Scan:
     ("arguments", "words"),
     [
         (["--boxes", "1"], "wanted 2 or more"),
+        (["--first", "-1"], "first box -1, wanted 0 or more"),
         (["--policies", "wizard"], "'wizard' is not known"),
         (["--policies", "model"], "'model' is not known; choose from expected,"),
         (["--policies", "farthest", "network:nowhere.onnx"], "nowhere.onnx: no such file"),

@@ -74,16 +74,18 @@ def run_boxes(
     boxes: int,
     policies: Sequence[str],
     *,
+    first: int = 0,
     workers: int = 1,
     folder: Path | None = None,
     watch: Watcher = lambda done, total: None,
 ) -> list[VolumeRun]:
-    """Return the runs of boxes 0 to ``boxes`` - 1.
+    """Return the runs of boxes ``first`` to ``first`` + ``boxes`` - 1.
 
     Args:
         settings: The question.
         boxes: How many, 1 or more.
         policies: Names of policies that decide on a scan.
+        first: Number of the first box, 0 or more; what becomes of a box depends on its number alone.
         workers: Processes, one thread each; the results are the same whatever the number.
         folder: Where errors are kept, box by box, and taken from if they are there; made if it is missing.
         watch: Is told how far it is.
@@ -111,7 +113,7 @@ def run_boxes(
             others=INFORMED in policies,
             known=None if folder is None else kept_truth(box_file(folder, number), settings),
         )
-        for number in range(boxes)
+        for number in range(first, first + boxes)
     ]
 
     def keep(task: _Task, done: _Done) -> None:

@@ -57,6 +57,8 @@ class VolumeTable:
     """What was asked."""
     boxes: int
     """How many."""
+    first: int
+    """Number of the first of them."""
     reachable: float
     """Mean number of positions that a camera could stand at."""
     best: float
@@ -99,6 +101,7 @@ def volume_table(settings: VolumeSettings, runs: Sequence[VolumeRun], policies: 
     return VolumeTable(
         settings=settings,
         boxes=len(runs),
+        first=min(run.number for run in runs),
         reachable=float(np.mean([run.reachable.sum() for run in runs])),
         best=float(np.mean(counts)),
         no_choice=sum(count == int(run.reachable.sum()) for count, run in zip(counts, runs, strict=True)),

@@ -43,8 +43,9 @@ def _risks(table: VolumeTable) -> list[str]:
 def _heading(table: VolumeTable) -> list[str]:
     asked = table.settings
     what = "fused with the present scan" if asked.fused else "alone"
+    who = f"{table.boxes} fresh boxes of seed {asked.seed}{first_in_words(table.first)}"
     return [
-        f"## Next best view for volume: {table.boxes} fresh boxes of seed {asked.seed}, rig {asked.rig}, camera {asked.camera}",
+        f"## Next best view for volume: {who}, rig {asked.rig}, camera {asked.camera}",
         "",
         f"Sides {asked.side[0]:g} to {asked.side[1]:g} m, random yaw{off_centre_in_words(asked)}."
         f" A position is worth the expected |relative volume error| of a scan from it {what},"
@@ -56,6 +57,11 @@ def _heading(table: VolumeTable) -> list[str]:
         f"Ceiling, by split halves of the scans: the best position of one half counts as best in the other in"
         f" {_share(table.ceiling, 0)} %; both halves name the same in {_share(table.ceiling, 1)} %.",
     ]
+
+
+def first_in_words(first: int) -> str:
+    """Return which box is the first if it is not number 0, to go on a number of boxes with."""
+    return f" from number {first} on" if first else ""
 
 
 def off_centre_in_words(asked: VolumeSettings) -> str:
