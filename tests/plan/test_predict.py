@@ -1,5 +1,6 @@
 """What a view would teach: against a sum over every single pixel, and what it must not depend on."""
 
+from dataclasses import replace
 from unittest import mock
 
 import numpy as np
@@ -12,7 +13,7 @@ from viewgain.box import FACES, Box, box_hits, entry_mask, floor_hits, range_jac
 from viewgain.camera import Sensor
 from viewgain.geometry import inverse, pose, rotation_from_rotvec
 from viewgain.measure import LOOSE_PRIOR, Knowledge
-from viewgain.plan import CovariancePolicy, predict
+from viewgain.plan import CovariancePolicy, _predict, predict
 from viewgain.plan._belief import Belief, normal_within, outlook, relative_sigma
 from viewgain.scenes import orbit_pose, standing_box
 
@@ -70,8 +71,11 @@ def sigmas(information: np.ndarray) -> np.ndarray:
 def test_range_information_is_the_sum_over_every_pixel(box: Box) -> None:
     """A grid of 36 samples a face against some 2,000 pixels: 12 % on each standard deviation."""
     expected, returns = by_single_pixels(box, CAMERA)
-    with mock.patch("viewgain.plan._predict.EDGE_INFORMATION", 0.0):
-        found = predict(box, np.eye(4), CAMERA, 1.0)
+    with (
+        mock.patch("viewgain.plan._predict.EDGE_INFORMATION", 0.0),
+        mock.patch.object(_predict, "_predicted", _predict._predicted.__wrapped__),
+    ):
+        found = predict(box, np.eye(4), CAMERA, 1.0)  # nothing kept, nor to be kept
     if found.cut or any(sight.returns < 100 or sight.incidence > np.deg2rad(68) for sight in found.sights):
         return  # samples near the border, or where a face begins to be lost, stand for too many pixels
     np.testing.assert_allclose(sigmas(found.knowledge.information), sigmas(expected), rtol=0.12)
@@ -83,6 +87,26 @@ def test_range_information_grows_as_the_inverse_square_of_the_noise() -> None:
     box = seen([0.3, 0.25, 0.2], 40, 35, 1.1)
     once, twice = (predict(box, np.eye(4), CAMERA, noise).knowledge for noise in (1.0, 2.0))
     np.testing.assert_allclose(once.systematic[:, :-1], 4 * twice.systematic[:, :-1], rtol=1e-9)  # the last is of edges
+
+
+def test_what_is_asked_twice_is_answered_alike_whatever_was_done_to_the_first_answer() -> None:
+    placed = pose(rotation_from_rotvec(np.array([2.0, 0.0, 0.0])), np.array([0.0, 0.2, 2.0]))
+    boxes = [Box(placed, np.array([1.0, 1.0, side])) for side in (1.0, 2.0)]
+    first = [predict(box, np.eye(4), CAMERA, 1.0).knowledge for box in boxes]
+    with pytest.raises(ValueError, match="read-only"):
+        first[0].information[:] = 0
+    with pytest.raises(ValueError, match="read-only"):
+        first[0].systematic[:] = 0
+    whole = Box(placed, np.array([1, 1, 1]))  # whole numbers mean the same
+    for box, known in ((boxes[1], first[1]), (boxes[0], first[0]), (whole, first[0])):
+        np.testing.assert_array_equal(predict(box, np.eye(4), CAMERA, 1.0).knowledge.information, known.information)
+    others = (
+        predict(boxes[0], np.eye(4), CAMERA, 2.0),
+        predict(boxes[0], np.eye(4), replace(CAMERA, jitter_px=0.3), 1.0),
+        predict(boxes[0], moved_aside(0.5, boxes[0]), CAMERA, 1.0),
+    )
+    for other in others:
+        assert np.any(other.knowledge.information != first[0].information)
 
 
 @given(boxes, st.floats(-3, 3), st.integers(1, 3))

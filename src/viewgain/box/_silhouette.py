@@ -4,7 +4,7 @@ Image coordinates here are the normalised ones, (x/z, y/z), in which straight ed
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -56,6 +56,7 @@ class EdgeDistances:
         return EdgeDistances(self.distance[chosen], self.edge[chosen], self.along[chosen])
 
 
+@lru_cache(maxsize=16)  # whoever predicts a view asks for the outline of the same box several times
 def outline(box: Box) -> Outline:
     """Return the convex hull of the box's eight projected corners (Andrew's monotone chain)."""
     points = _project(box.corners())
@@ -117,12 +118,10 @@ def edge_cosines(box: Box, shape: Outline) -> Array:
     start, end = CORNERS[shape.corners], CORNERS[following(shape.corners)]
     middle = (start + end) / 2 * box.extents
     sight = (camera - middle) / np.linalg.norm(camera - middle, axis=1, keepdims=True)
-    cosines = np.zeros(len(middle))
-    for normal, extent in zip(PLANE_NORMALS[:FLOOR], PLANE_EXTENTS[:FLOOR], strict=True):
-        side = extent.sum()
-        on_face = (start @ normal == side) & (end @ normal == side) & (normal @ camera > extent @ box.extents)
-        cosines = np.where(on_face, np.maximum(cosines, sight @ normal), cosines)
-    return np.clip(cosines, 0.0, 1.0)
+    normals, extents = PLANE_NORMALS[:FLOOR].T, PLANE_EXTENTS[:FLOOR]
+    side = extents.sum(axis=1)
+    on_face = (start @ normals == side) & (end @ normals == side) & (camera @ normals > extents @ box.extents)  # [edges, faces]
+    return np.asarray(np.clip(np.where(on_face, sight @ normals, 0.0).max(axis=1), 0.0, 1.0))
 
 
 def following(values: Array | Indices) -> Array:

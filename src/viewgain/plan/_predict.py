@@ -7,6 +7,7 @@ how many pixels each sample stands for, so a prediction takes about a millisecon
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -40,6 +41,8 @@ UNMIXED = 0.7
 """Share of the pixels on an outline that are not mixed of foreground and background, and so tell where it is."""
 MIN_FACE_PIXELS = 25
 """A face counts as seen if at least this many returns are expected from it."""
+_KEPT = 1024
+"""Predictions that are kept: policy, model and judge of one decision ask about the same boxes from the same places."""
 _FACE_SAMPLES = 6
 _EDGE_SAMPLES = 12
 _FLOOR_SAMPLES = 12
@@ -103,11 +106,17 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
         noise: Its noise on this scene as a multiple of the data sheet's.
 
     Returns:
-        Information zero and no faces where the box lies behind the camera or out of range.
+        Information zero and no faces where the box lies behind the camera or out of range. Its arrays are read only.
     """
-    seen = box.in_frame(inverse(camera_to_current))
+    placed = inverse(camera_to_current) @ box.box_to_camera
+    return _predicted(placed.tobytes(), np.asarray(box.extents, dtype=float).tobytes(), sensor, noise)
+
+
+@lru_cache(maxsize=_KEPT)
+def _predicted(box_to_camera: bytes, extents: bytes, sensor: Sensor, noise: float) -> Prediction:
+    seen = Box(np.frombuffer(box_to_camera).reshape(4, 4), np.frombuffer(extents))
     if np.any(seen.corners()[:, 2] < 0.05):
-        return Prediction(Knowledge(np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))), (), 1.0)
+        return Prediction(_known(np.zeros((PARAMETERS, PARAMETERS)), np.zeros((PARAMETERS, SYSTEMATIC))), (), 1.0)
     camera = sensor.intrinsics
     seen_as = constraints(seen, to_pixels(camera), (camera.width, camera.height))
     rays, hits, weight = _face_samples(seen, sensor)
@@ -117,7 +126,13 @@ def predict(box: Box, camera_to_current: Pose, sensor: Sensor, noise: float) -> 
     believed = rays, hits, weight * (1 - sensor.loss(hits.cosine))
     ranges, gradient = _range_information(seen, believed, _floor_samples(seen, sensor), sensor, noise)
     edges, shift = _edge_information(seen, sensor, noise)
-    return Prediction(Knowledge(ranges + edges, np.column_stack([gradient, shift])), sights, seen_as.border)
+    return Prediction(_known(ranges + edges, np.column_stack([gradient, shift])), sights, seen_as.border)
+
+
+def _known(information: Array, systematic: Array) -> Knowledge:
+    """Return what many will share, so that none can change it."""
+    information.flags.writeable = systematic.flags.writeable = False
+    return Knowledge(information, systematic)
 
 
 def to_pixels(camera: Intrinsics) -> Callable[[Points2], Points2]:
