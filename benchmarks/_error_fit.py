@@ -7,10 +7,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from benchmarks._measured_boxes import MeasuredBox, outcome
+from benchmarks._measured_boxes import MeasuredBox
 from viewgain.arrays import Array, Mask
 from viewgain.box import Box
 from viewgain.camera import Sensor, sensor
+from viewgain.gain import costs
 from viewgain.geometry import inverse
 from viewgain.measure import Knowledge
 from viewgain.plan import (
@@ -67,7 +68,7 @@ def runs_of(boxes: list[MeasuredBox]) -> Runs:
             guess = physical_outcome(box, known, seen, camera)
             inputs.append(np.append(circumstances(box, known, seen, camera), transformed(guess)))
             physical.append(guess)
-            found.append(outcome(error))
+            found.append(float(costs(error)))
             owner.append(number)
             fused.append(len(seen) > 1)
     return Runs(np.array(inputs), tuple(physical), np.array(found), np.array(owner), np.array(fused))

@@ -199,8 +199,3 @@ def _or_null(error: float) -> float | None:
 
 def _or_nan(error: float | None) -> float:
     return float("nan") if error is None else error
-
-
-def outcome(error: float) -> float:
-    """Return min(|error|, 1), and 1 for a miss."""
-    return min(abs(error), 1.0) if np.isfinite(error) else 1.0

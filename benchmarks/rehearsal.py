@@ -14,11 +14,10 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from benchmarks._data import boxbench_folder
-from benchmarks._measured_boxes import outcome
 from benchmarks._tables import bootstrap, markdown, percent
 from benchmarks.protocol import NOISE_LEVELS, POSITIONS, Sample, boxbench
 from viewgain.arrays import Vector
-from viewgain.gain import volume_estimator
+from viewgain.gain import costs, volume_estimator
 from viewgain.geometry import inverse
 from viewgain.measure import Knowledge
 from viewgain.plan import Belief, arriving_within, expected_error, trials
@@ -77,7 +76,7 @@ def _said(sample: Sample) -> Said:
     belief = Belief((box,), Knowledge(np.eye(9), np.zeros((9, 4))), sample.sensor, 1.0, bounded=True)
     tries = trials(belief, arriving_within(1, (0.0, 0.0)), np.random.default_rng(0))
     rehearsed = [trial.outcome(0, np.eye(4), estimator) for trial in islice(tries, REHEARSALS)]
-    found = outcome(estimator(sample.scan) / box.volume - 1)
+    found = float(costs(estimator(sample.scan) / box.volume - 1))
     return Said(found, expected_error(box, np.eye(4), sample.sensor), float(np.mean(rehearsed)))
 
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks._error_fit import fitted, runs_of
-from benchmarks._measured_boxes import DrawnBox, MeasuredBox, drawn_box, measured_boxes, outcome, stream_of
+from benchmarks._measured_boxes import DrawnBox, MeasuredBox, drawn_box, measured_boxes, stream_of
 from benchmarks._tables import bootstrap, markdown
 from benchmarks.error_model import BOXES
 from viewgain.arrays import Vector
 from viewgain.evaluation._volume_confidence import ASKED
-from viewgain.gain import believed_scan
+from viewgain.gain import believed_scan, costs
 from viewgain.geometry import inverse
 from viewgain.inference import VOLUME_MODEL, PoseScorer
 from viewgain.measure import measure
@@ -91,7 +91,7 @@ def _asked(measured: MeasuredBox, model: ErrorModel, scorers: dict[str, PoseScor
     candidates = inverse(scan.camera_to_world) @ drawn.stations[views]
     expected = np.array([[expected_error(box, candidate, drawn.camera, belief.noise, model) for candidate in candidates]
                          for box in belief.boxes]).mean(axis=0)  # fmt: skip
-    found = np.array([outcome(measured.alone[view]) for view in views.tolist()])
+    found = costs([measured.alone[view] for view in views.tolist()])
     for name in _knowing(drawn, scorers):
         yield Asked(_state(belief), name, found, expected, -scorers[name].assessed(scan.points, candidates).scores)
 

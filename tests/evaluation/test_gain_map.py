@@ -11,7 +11,6 @@ from viewgain.evaluation import (
     GainMap,
     VolumeSettings,
     case_errors,
-    costs,
     gain_map,
     gain_map_markdown,
     position_scores,
@@ -20,6 +19,7 @@ from viewgain.evaluation import (
     volume_case,
 )
 from viewgain.evaluation._choice import seen_of
+from viewgain.gain import costs
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA
 from viewgain.plan import CombinedPolicy, CovariancePolicy, ExpectedErrorPolicy, FarthestPolicy, OnBelief, Seen, ViewPolicy

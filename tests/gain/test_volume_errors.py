@@ -6,7 +6,16 @@ import pytest
 from tests.oracles.shapes import box_mesh
 from viewgain.camera import sensor
 from viewgain.errors import ConfigError
-from viewgain.gain import ESTIMATORS, BoxScans, MeshScans, fused_errors, measured_volume, volume_errors, volume_estimator
+from viewgain.gain import (
+    ESTIMATORS,
+    BoxScans,
+    MeshScans,
+    costs,
+    fused_errors,
+    measured_volume,
+    volume_errors,
+    volume_estimator,
+)
 from viewgain.measure import Measurement, fuse_measurements, measure
 from viewgain.rigs import rig
 from viewgain.scans import Scan
@@ -21,6 +30,10 @@ SCANS = BoxScans(
     seed=3,
     effects=Effects().without("multipath"),
 )
+
+
+def test_a_miss_costs_all_and_nothing_costs_more() -> None:
+    assert costs([0.0, -0.3, 0.3, 4.0, np.nan, np.inf]).tolist() == [0.0, 0.3, 0.3, 1.0, 1.0, 1.0]
 
 
 def footprint(scan: Scan) -> float:

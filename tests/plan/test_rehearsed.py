@@ -15,7 +15,17 @@ from viewgain.errors import ConfigError, ScanError
 from viewgain.gain import VolumeEstimator, volume_estimator
 from viewgain.geometry import inverse, look_at, pose, rotation_from_rotvec, transform
 from viewgain.measure import Knowledge, measure
-from viewgain.plan import Belief, ExpectedErrorPolicy, RehearsedPolicy, Trial, arriving_within, believe, next_view, trials
+from viewgain.plan import (
+    Belief,
+    ExpectedErrorPolicy,
+    NextView,
+    RehearsedPolicy,
+    Trial,
+    arriving_within,
+    believe,
+    next_view,
+    trials,
+)
 from viewgain.plan._rehearsal import as_noisy
 from viewgain.plan._rehearsed import MOST, ROUND, WORTH, Standing
 from viewgain.rays import SceneCaster
@@ -285,6 +295,25 @@ def test_the_same_question_has_the_same_answer_in_every_frame() -> None:
     assert all(0 < sigma < 0.2 for sigma in tried)
 
 
+def test_whoever_knows_enough_rehearses_nothing() -> None:
+    scan = capture(Scene((BOX,)), CANDIDATES[0], CAMERA, rng=np.random.default_rng(1))
+    asked: list[Scan] = []
+
+    def noting(seen: Scan) -> float:
+        asked.append(seen)
+        return BOX.volume
+
+    def plan(tolerance: float) -> NextView:
+        return next_view(scan, policy=RehearsedPolicy(estimator=noting), camera="pico_flexx", tolerance=tolerance)
+
+    loose = plan(0.5)
+    assert loose.stop
+    assert not asked
+    assert loose.best is not None  # where it would go is still said
+    assert not plan(0.001).stop
+    assert asked
+
+
 def test_next_view_spends_nothing_on_what_is_out_of_reach() -> None:
     """A ring of eight of which the camera may reach one side."""
     scan = capture(Scene((BOX,)), CANDIDATES[0], CAMERA, rng=np.random.default_rng(1))
@@ -296,7 +325,8 @@ def test_next_view_spends_nothing_on_what_is_out_of_reach() -> None:
         tried.append(seen.camera_to_world[:3, 3])
         return BOX.volume * 1.05
 
-    plan = next_view(scan, replace(rig("ring8"), keep_out=(cone,)), policy=RehearsedPolicy(estimator=noting), camera="pico_flexx")
+    ring, policy = replace(rig("ring8"), keep_out=(cone,)), RehearsedPolicy(estimator=noting)
+    plan = next_view(scan, ring, policy=policy, camera="pico_flexx", tolerance=0.001)
     reached = np.array([candidate.reachable for candidate in plan.candidates])
     assert 1 < reached.sum() < 8
     measured = plan.current.boxes[0].box

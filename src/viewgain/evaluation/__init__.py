@@ -72,7 +72,6 @@ from viewgain.evaluation._play import play as play
 from viewgain.evaluation._position_scores import PositionScores as PositionScores
 from viewgain.evaluation._position_scores import agreement as agreement
 from viewgain.evaluation._position_scores import best_positions as best_positions
-from viewgain.evaluation._position_scores import costs as costs
 from viewgain.evaluation._position_scores import position_scores as position_scores
 from viewgain.evaluation._ratios import ratio as ratio
 from viewgain.evaluation._real_scans import RealRanking as RealRanking

@@ -12,8 +12,7 @@ from viewgain.arrays import Array
 from viewgain.datasets import Dataset, box_views, knows_poses, object_errors, rig_of, with_target
 from viewgain.errors import ConfigError, DataError
 from viewgain.evaluation._bootstrap import Shares, difference_by_object, shares_by_object
-from viewgain.evaluation._position_scores import costs
-from viewgain.gain import TERMS, ErrorHistogram, NearZero
+from viewgain.gain import TERMS, ErrorHistogram, NearZero, costs
 
 RANDOM, ALWAYS, LEAST = "a position at random", "always position {}", "the position of least mean error"
 """Names of what chooses without a label; the last two know the errors that they are judged by."""

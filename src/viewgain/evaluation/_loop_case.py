@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from viewgain.errors import ConfigError, ViewgainError
-from viewgain.evaluation._position_scores import MISS, costs
 from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, volume_case
-from viewgain.gain import believed_scan, measured_volume
+from viewgain.gain import MISS, believed_scan, costs, measured_volume
 from viewgain.measure import POSE_SIGMA, Measurement, fuse_measurements, measure
 from viewgain.plan import Seen, believe, certainty, unique
 from viewgain.scans import Scan

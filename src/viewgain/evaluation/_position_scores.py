@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from viewgain.arrays import Array, Mask, Vector
+from viewgain.arrays import Mask, Vector
 from viewgain.errors import DataError
+from viewgain.gain import costs
 
 ALIKE = 2.0
 """Two positions whose means differ by at most so many standard errors of the difference count as equally good."""
-MISS = 1.0
-"""What a scan without an estimate costs, and the most that any scan does: all of the volume."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,12 +28,6 @@ class PositionScores:
     def least(self) -> int:
         """The allowed position with the least expected error, of equal ones the lowest index."""
         return int(np.argmin(np.where(self.allowed, self.mean, np.inf)))
-
-
-def costs(errors: ArrayLike) -> Array:
-    """Return what scans cost: min(|error|, 1) of relative volume errors of any shape; 1 for what is not finite (a miss)."""
-    table = np.abs(np.asarray(errors, dtype=float))
-    return np.where(np.isfinite(table), np.minimum(table, MISS), MISS)
 
 
 def position_scores(errors: ArrayLike, allowed: ArrayLike) -> PositionScores:

@@ -12,11 +12,12 @@ from viewgain.errors import DataError
 from viewgain.evaluation._bootstrap import Shares, ratio_by_object, shares_by_object
 from viewgain.evaluation._decisions import constant_choices, guessed, judged
 from viewgain.evaluation._plain import finite
-from viewgain.evaluation._position_scores import PositionScores, agreement, best_positions, costs, position_scores
+from viewgain.evaluation._position_scores import PositionScores, agreement, best_positions, position_scores
 from viewgain.evaluation._shape_case import VOLUMES
 from viewgain.evaluation._shape_runs import ShapeRun
 from viewgain.evaluation._shape_settings import ShapeSettings
 from viewgain.evaluation._volume_choices import CONSTANT, FLOORS, OFFSET, ORACLE, UNIFORM
+from viewgain.gain import costs
 
 _STREAM = 0x7368
 

@@ -15,6 +15,8 @@ from viewgain.gain._constrained import TERMS as TERMS
 from viewgain.gain._constrained import ScannedBox as ScannedBox
 from viewgain.gain._constrained import WithTerms as WithTerms
 from viewgain.gain._constrained import with_terms as with_terms
+from viewgain.gain._costs import MISS as MISS
+from viewgain.gain._costs import costs as costs
 from viewgain.gain._cover import Cover as Cover
 from viewgain.gain._cover import cover as cover
 from viewgain.gain._coverage import CoverageLabels as CoverageLabels

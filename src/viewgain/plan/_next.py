@@ -109,18 +109,19 @@ def next_view(
     back = step_back(believed)
     poses = stand(stations, target_of(believed), floor_pose(believed), measured.camera_to_world, step_back=back)
     reachable = reachable_of(poses, believed, stations, measured.camera_to_world)
+    for_volume = objective == "volume"
+    sure = certainty(believed, tolerance=tolerance, confidence=confidence)
+    stop = for_volume and sure.enough
     if isinstance(decider, Selecting):
-        decider = decider.among(np.array(reachable))
+        decider = decider.among(np.array(reachable) & (not stop))  # who stays is spared the effort
     assessments = decider.assess(believed, poses, tolerance)
-    if objective == "volume":
+    if for_volume:
         assessments = _told(assessments, CovariancePolicy(pose_sigma), believed, poses, tolerance)
     candidates = tuple(
         Candidate(index, pose, assessment, allowed)
         for index, (pose, assessment, allowed) in enumerate(zip(poses, assessments, reachable, strict=True))
     )
-    for_volume = objective == "volume"
     best = _best(candidates, settle=believed.bounded and for_volume, indifferent=INDIFFERENT if for_volume else 0.0)
-    sure = certainty(believed, tolerance=tolerance, confidence=confidence)
     reason, abstention, chance = "no_reachable_view" if best is None else None, None, None
     if best is not None and isinstance(decider, Hesitant):
         abstention = decider.abstention(assessments, np.array(reachable), best)
@@ -134,7 +135,7 @@ def next_view(
         policy=decider.name,
         candidates=candidates,
         best=best,
-        stop=for_volume and sure.enough,
+        stop=stop,
         within_tolerance=sure.within_tolerance,
         target=believed.mean.centre,
         up=believed.mean.floor.normal,

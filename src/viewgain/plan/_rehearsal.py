@@ -14,7 +14,7 @@ from viewgain.arrays import Pose, Poses
 from viewgain.box import Box
 from viewgain.camera import Sensor
 from viewgain.errors import ScanError
-from viewgain.gain import VolumeEstimator
+from viewgain.gain import MISS, VolumeEstimator, costs
 from viewgain.geometry import inverse, pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA, measure
 from viewgain.plan._belief import Belief
@@ -62,7 +62,7 @@ class Trial:
     """Source of the noise."""
 
     def outcome(self, index: int, camera_to_current: Pose, estimator: VolumeEstimator) -> float:
-        """Return min(|relative volume error|, 1) of one scan from candidate ``index``, and 1 for a miss.
+        """Return what one scan from candidate ``index`` costs (:func:`viewgain.gain.costs`).
 
         Args:
             index: Which candidate.
@@ -73,10 +73,9 @@ class Trial:
         rng = np.random.default_rng(self.seed)
         try:
             scan = capture(self.caster, camera_to_box, self.sensor, rng=rng, error=self.error)
-            error = abs(estimator(scan) / self.box.volume - 1)
+            return float(costs(estimator(scan) / self.box.volume - 1))
         except (ScanError, np.linalg.LinAlgError):  # next to nothing comes back, or nothing can be made of it
-            return 1.0
-        return float(error) if error < 1.0 else 1.0  # NaN is no volume
+            return MISS
 
 
 def trials(belief: Belief, arrivals: Arrivals, rng: np.random.Generator) -> Iterator[Trial]:
