@@ -11,6 +11,7 @@ import numpy as np
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, PLANE_NORMALS, Box
 from viewgain.camera import Sensor
+from viewgain.measure._floor import BareFloor
 from viewgain.measure._likelihood import Evaluation, evaluate
 from viewgain.measure._mixture import Pixels, Softness
 
@@ -37,6 +38,8 @@ class View:
     """Pose of the reference camera in this one; None for the reference itself."""
     pose_precision: Array | None = None
     """(6, 6) inverse covariance of the pose error as a motion of the box in its own frame; None where the pose is exact."""
+    bare: BareFloor | None = None
+    """What this camera saw of the floor when nothing stood on it, where that is needed."""
 
     def sees(self, box: Box, correction: Array) -> Box:
         """Return the box (given in the reference frame) in this camera's frame, with its (6,) pose correction."""
@@ -192,7 +195,7 @@ def _evaluated(box: Box, corrections: Array, views: tuple[View, ...], softness: 
 
 def _of_views(box: Box, corrections: Array, views: tuple[View, ...], softness: Softness) -> tuple[Evaluation, ...]:
     return tuple(
-        evaluate(view.sees(box, correction), view.pixels, view.sensor, view.noise, softness)
+        evaluate(view.sees(box, correction), view.pixels, view.sensor, view.noise, softness, view.bare)
         for view, correction in zip(views, corrections, strict=True)
     )
 

@@ -14,9 +14,19 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from viewgain.arrays import Array, Points
-from viewgain.box import PARAMETERS, PLANE_NORMALS, Box, Hits, edge_cosines, edge_end_jacobians, range_jacobian_factors
+from viewgain.box import (
+    PARAMETERS,
+    PLANE_NORMALS,
+    Box,
+    Hits,
+    edge_cosines,
+    edge_end_jacobians,
+    floor_hits,
+    range_jacobian_factors,
+)
 from viewgain.camera import Sensor
-from viewgain.measure._mixture import FLYING_REACH, Mixture, Pixels, Softness, Surface, mix
+from viewgain.measure._floor import BareFloor
+from viewgain.measure._mixture import FAR, FLYING_REACH, Mixture, Pixels, Softness, Surface, mix
 
 _NEGLIGIBLE = 1e-3
 _HALF_LOG_TWO_PI = 0.9189385332046727
@@ -50,11 +60,18 @@ class Evaluation:
     """How sharply it was looked at."""
     mixture: Mixture
     """What each pixel was taken for."""
+    bare: "_Readings | None" = None
+    """Readings of the bare floor, where an empty scene says where it is."""
 
-    @property
+    @cached_property
     def value(self) -> float:
         """Log likelihood, up to a constant."""
-        return self.mixture.value
+        return self.mixture.value + (0.0 if self.bare is None else self.bare.log_density)
+
+    @property
+    def _all_readings(self) -> tuple["_Readings", ...]:
+        shown = _shown_readings(self.pixels, self.sensor, self.mixture)
+        return shown if self.bare is None else (*shown, self.bare)
 
     @cached_property
     def derivatives(self) -> Derivatives:
@@ -65,7 +82,7 @@ class Evaluation:
     def systematic(self) -> Array:
         """(9, 4) gradient caused by one unit of each systematic error of the ranges (Sensor.systematic_shapes)."""
         gradient = np.zeros((PARAMETERS, 4))
-        for readings in _all_readings(self.pixels, self.sensor, self.mixture):
+        for readings in self._all_readings:
             shapes = self.sensor.systematic_shapes(readings.ranges)
             for mine, local, basis in range_jacobian_factors(self.box, readings.directions, readings.hits):
                 gradient += basis.T @ ((local * readings.precision[mine]) @ shapes[mine])
@@ -123,8 +140,15 @@ class _Readings:
     misfit: Array
     """(m,) measured minus predicted, metres."""
 
+    @property
+    def log_density(self) -> float:
+        """Log of their joint density were they all of this surface, up to a constant."""
+        return 0.5 * float(np.log(self.precision).sum() - self.precision @ self.misfit**2)
 
-def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness) -> Evaluation:
+
+def evaluate(
+    box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness, bare: BareFloor | None = None
+) -> Evaluation:
     """Return the log likelihood of ``pixels`` given ``box``.
 
     Args:
@@ -133,14 +157,16 @@ def evaluate(box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: S
         sensor: Gives the shape of the noise over range and incidence, and of grazing loss.
         noise: Factor on the sensor's noise, as estimated from this scan.
         softness: Blur of outline and range.
+        bare: What the camera saw of the floor alone; None where its pixels are to say where that is.
     """
-    return Evaluation(box, pixels, sensor, softness, mix(box, pixels, sensor, noise, softness))
+    readings = None if bare is None else _bare_readings(box, bare, sensor, noise, softness)
+    return Evaluation(box, pixels, sensor, softness, mix(box, pixels, sensor, noise, softness), readings)
 
 
 def _derivatives(evaluation: Evaluation) -> Derivatives:
     box, pixels, mixture = evaluation.box, evaluation.pixels, evaluation.mixture
     gradient, information = np.zeros(PARAMETERS), np.zeros((PARAMETERS, PARAMETERS))
-    for readings in _all_readings(pixels, evaluation.sensor, mixture):
+    for readings in evaluation._all_readings:
         for mine, local, basis in range_jacobian_factors(box, readings.directions, readings.hits):
             weighted = local * readings.precision[mine]
             gradient += basis.T @ (weighted @ readings.misfit[mine])
@@ -163,13 +189,21 @@ def _derivatives(evaluation: Evaluation) -> Derivatives:
     )
 
 
-def _all_readings(pixels: Pixels, sensor: Sensor, mixture: Mixture) -> tuple[_Readings, _Readings]:
+def _shown_readings(pixels: Pixels, sensor: Sensor, mixture: Mixture) -> tuple[_Readings, _Readings]:
     """Return the readings on the faces and on the floor.
 
     A face that should have lost a return did not give it: so far what it reports was mixed in from elsewhere.
     """
     kept = mixture.on_box * (1 - sensor.loss(mixture.box.hits.cosine))
     return _readings(pixels, mixture.box, kept, np.inf), _readings(pixels, mixture.floor, mixture.on_floor, pixels.horizon)
+
+
+def _bare_readings(box: Box, bare: BareFloor, sensor: Sensor, noise: float, softness: Softness) -> _Readings:
+    """Return the readings of the bare floor; rays that would miss it have something to lose."""
+    hits = floor_hits(box, bare.directions)
+    predicted = np.minimum(hits.ranges, FAR)
+    sigma = np.hypot(noise * sensor.range_sigma(np.minimum(predicted, 10.0), hits.cosine), softness.extra_sigma)
+    return _Readings(bare.directions, Hits(predicted, hits.planes, hits.cosine), bare.ranges, sigma**-2, bare.ranges - predicted)
 
 
 def _readings(pixels: Pixels, surface: Surface, probability: Array, horizon: float) -> _Readings:

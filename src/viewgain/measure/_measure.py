@@ -6,7 +6,7 @@ import numpy as np
 
 from viewgain.arrays import Mask
 from viewgain.camera import Sensor, sensor
-from viewgain.measure._floor import Floor, find_floors
+from viewgain.measure._floor import Floor, find_floors, with_bare
 from viewgain.measure._range_image import RangeImage, range_image
 from viewgain.measure._result import BoxEstimate, Measurement, Rejected
 from viewgain.measure._segment import segment
@@ -36,7 +36,8 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
     known = sensor_of(camera)
     image = range_image(scan).corrected(known)
     model = replace(known, intrinsics=image.whole_camera())
-    floors = find_floors(image if floor is None else range_image(floor).corrected(known), model)
+    empty = None if floor is None else range_image(floor).corrected(known)
+    floors = find_floors(image, model) if empty is None else [with_bare(each, empty, image) for each in find_floors(empty, model)]
     attempts = [_on_floor(image, candidate, model, noise_known=camera is not None) for candidate in floors]
     if not attempts:
         attempts = [Measurement((), None, (), "no_floor")]

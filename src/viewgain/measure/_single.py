@@ -84,15 +84,15 @@ def fitted(
     """Return the box of greatest likelihood: rough from every guess on few pixels, then sharp on many, then on all."""
     pixels = pixels_around(image, own, other)
     guesses = [start] if start is not None else hypotheses(image.points[own], floor)
-    coarse = View(thinned(pixels, _COARSE_PIXELS), model, floor.noise)
+    coarse = View(thinned(pixels, _COARSE_PIXELS), model, floor.noise, bare=floor.bare)
     blurred = max((refine(guess, (coarse,), COARSE[:1], 2) for guess in guesses), key=lambda fit: fit.value)
     rough = climbed(blurred, COARSE, 6)
-    view = View(edges_kept(pixels, rough.box, _FINE_PIXELS), model, noise_of(rough, noise_known=noise_known))
+    view = replace(coarse, pixels=edges_kept(pixels, rough.box, _FINE_PIXELS), noise=noise_of(rough, noise_known=noise_known))
     fit = refine(rough.box, (view,), FINE, 6)
     moved = polled(fit, _POLL_PX * image.pitch * float(np.linalg.norm(fit.box.centre)))
     if moved is not fit.box:
         fit = refine(moved, (view,), FINE, 6)
-    final = View(edges_kept(pixels, fit.box, _FINAL_PIXELS), model, noise_of(fit, noise_known=noise_known))
+    final = replace(view, pixels=edges_kept(pixels, fit.box, _FINAL_PIXELS), noise=noise_of(fit, noise_known=noise_known))
     return refine(fit.box, (final,), SHARP, 3)
 
 

@@ -166,7 +166,7 @@ def _on_support(scene: OnFloor, own: Mask, others: Mask, height: float, *, among
     """Return the box fitted to one part of a stack that stands at ``height`` above the floor, or the reason against it."""
     image, floor = scene.image, scene.floor
     if height > 0:
-        floor = replace(floor, plane=Plane(floor.plane.normal, floor.plane.offset - height))
+        floor = replace(floor, plane=Plane(floor.plane.normal, floor.plane.offset - height), bare=None)
         others = image.valid & ~own & (others | (np.abs(floor.plane.height(image.points)) > 3 * SUPPORT_BAND))
         others &= ~(np.abs(floor.plane.height(image.points)) < SUPPORT_BAND)
     fit = fitted(image, floor, own, others, scene.model, noise_known=scene.noise_known)
