@@ -107,22 +107,26 @@ class BoxEstimate:
         return tuple("open" if self.is_open[axis] else "seen" if seen & spanning[axis] else "inferred" for axis in self.order)
 
     def oriented(self) -> Pose:
-        """Return (4, 4) box_to_camera with its origin at the box's centre and its axes along the reported dimensions."""
-        axes = self.box.box_to_camera[:3, :3][:, self.order]
-        if np.linalg.det(axes) < 0:
-            axes = axes * (1.0, 1.0, -1.0)
-        return pose(axes, self.box.centre)
+        """Return (4, 4) box_to_camera with its origin at the centre of the reported box and its axes along the dimensions.
+
+        Of an open dimension the lower bound is reported, from the end that was seen: the floor, a seen face, else the nearer one.
+        """
+        axes = self.box.box_to_camera[:3, :3]
+        hidden = self.box.extents - self._values()
+        centre = self.box.centre + axes @ (hidden / 2 * [self._seen_end(axis) for axis in range(3)])
+        named = axes[:, self.order]
+        return pose(named if np.linalg.det(named) > 0 else named * (1.0, 1.0, -1.0), centre)
 
     def to_dict(self, camera_to_world: Pose) -> dict[str, object]:
         """Return the JSON form of one box (docs/json.md)."""
         return {
             "dimensions_m": _rounded(self.dimensions),
-            "sigma_m": [None if s is None else round(s, 5) for s in self.sigma],
-            "interval90_m": [[round(low, 5), None if high is None else round(high, 5)] for low, high in self.interval90],
+            "sigma_m": [_micrometres(s) for s in self.sigma],
+            "interval90_m": [[_micrometres(end) for end in interval] for interval in self.interval90],
             "vertical": self.vertical,
-            "volume_m3": round(self.volume, 6),
-            "volume_sigma_m3": None if self.volume_sigma is None else round(self.volume_sigma, 6),
-            "volume_interval90_m3": [None if v is None else round(v, 6) for v in self.volume_interval90],
+            "volume_m3": _cubic_millimetres(self.volume),
+            "volume_sigma_m3": _cubic_millimetres(self.volume_sigma),
+            "volume_interval90_m3": [_cubic_millimetres(end) for end in self.volume_interval90],
             "box_to_camera": _rounded(self.oriented()),
             "box_to_world": _rounded(camera_to_world @ self.oriented()),
             "faces_seen": [name for name in FACES if any(face.name == name and face.seen for face in self.quality.faces)],
@@ -131,6 +135,16 @@ class BoxEstimate:
             "border_share": round(self.quality.border, 4),
             "flags": list(self.flags),
         }
+
+    def _seen_end(self, axis: int) -> float:
+        """Return which end of an axis is known, 1 or -1."""
+        if axis == 2:
+            return -1.0
+        seen = {face.name for face in self.quality.faces if face.seen}
+        forward, backward = f"+{'xy'[axis]}" in seen, f"-{'xy'[axis]}" in seen
+        if forward != backward:
+            return 1.0 if forward else -1.0
+        return -1.0 if self.box.box_to_camera[:3, axis] @ self.box.centre > 0 else 1.0
 
     def _values(self) -> Array:
         """Return (3,) reported extents by box axis: the estimate, or the lower bound of an open one."""
@@ -218,6 +232,14 @@ def floor_json(floor: Floor | None) -> dict[str, object] | None:
         return None
     normal, height = _rounded(floor.plane.normal), round(floor.plane.offset, 5)
     return {"normal_camera": normal, "camera_height_m": height, "spread_m": round(floor.spread, 5)}
+
+
+def _micrometres(length: float | None) -> float | None:
+    return None if length is None else round(length, 6)
+
+
+def _cubic_millimetres(volume: float | None) -> float | None:
+    return None if volume is None else round(volume, 9)
 
 
 def _finite(value: float) -> float | None:
