@@ -259,9 +259,6 @@ def test_a_ball_is_looked_at_from_around_itself() -> None:
     assert np.linalg.norm(transform(scan.camera_to_world, result.target) - [0, 0, 0.2]) < 0.15
 
 
-@pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="a rejected object is planned for with the preset's image, not the scan's"
-)
 def test_a_ball_is_planned_for_with_the_camera_that_took_the_scan() -> None:
     """Twice the pixels each way are four times the returns; the camera named is the same."""
     fine = Intrinsics.from_field_of_view(448, 342, *np.deg2rad([62.0, 45.0]))

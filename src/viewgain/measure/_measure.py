@@ -74,12 +74,12 @@ def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bo
     scene = OnFloor(image, floor, model, segments.labels > 0, noise_known)
     found = objects(scene, [segments.labels == k for k in range(1, min(segments.count, MAX_OBJECTS) + 1)])[:MAX_OBJECTS]
     boxes = tuple(one.result for one in found if isinstance(one.result, BoxEstimate))
-    rejected = [_rejected(one.result, image, one.own) for one in found if isinstance(one.result, Refusal)]
+    rejected = [_rejected(one.result, scene, one.own) for one in found if isinstance(one.result, Refusal)]
     reason = None if boxes else rejected[0].reason if rejected else "nothing_on_floor"
     return Measurement((), floor, boxes, reason, tuple(sorted(rejected, key=lambda refused: -refused.returns)))
 
 
-def _rejected(refusal: Refusal, image: RangeImage, own: Mask) -> Rejected:
-    points = image.points[own]
+def _rejected(refusal: Refusal, scene: OnFloor, own: Mask) -> Rejected:
+    points = scene.image.points[own]
     low, high = np.quantile(points, [0.02, 0.98], axis=0)
-    return Rejected(refusal.reason, len(points), points.mean(axis=0), (high - low) / 2, refusal.estimate)
+    return Rejected(refusal.reason, len(points), points.mean(axis=0), (high - low) / 2, refusal.estimate, scene.model)

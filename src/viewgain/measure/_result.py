@@ -6,6 +6,7 @@ import numpy as np
 
 from viewgain.arrays import Array, Indices, Pose, Vector3
 from viewgain.box import FACES, Box
+from viewgain.camera import Sensor
 from viewgain.geometry import floor_to_camera, inverse, pose
 from viewgain.measure._fit import View
 from viewgain.measure._floor import Floor
@@ -172,6 +173,8 @@ class Rejected:
     """(3,) half-extent of its points, metres, camera frame axes."""
     estimate: BoxEstimate | None = None
     """The box that was fitted to it, where it is a box but too little of it is seen; for planning the next view."""
+    sensor: Sensor | None = None
+    """The camera that saw it, with the scan's own image; None where nobody says."""
 
     def to_dict(self) -> dict[str, object]:
         """Return the JSON form (docs/json.md)."""

@@ -142,7 +142,8 @@ def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Be
     reach = np.maximum(np.abs(local - middle).mean(axis=0), 0.03)
     extents = np.array([2 * reach[0], 2 * reach[1], max(middle[2] + reach[2], 0.05)])
     box = Box(placing @ pose(np.eye(3), np.array([middle[0], middle[1], 0.0])), extents)
-    return Belief((box,), _known_to_a_third(extents), sensor, current.floor.noise, bounded=False, guessed=True)
+    here = blob.sensor or sensor
+    return Belief((box,), _known_to_a_third(extents), here, current.floor.noise, bounded=False, guessed=True)
 
 
 def _known_to_a_third(extents: Array, height: float = 20.0) -> Knowledge:
