@@ -6,6 +6,7 @@ import pytest
 from tests.oracles.derivatives import along_steps
 from tests.oracles.scenes import CAMERA, corner_view, scan_of
 from viewgain.box import Box, entry_mask
+from viewgain.camera import sensor
 from viewgain.geometry import inverse
 from viewgain.measure import BoxEstimate, Measurement, measure
 from viewgain.measure._fit import COARSE, SHARP
@@ -76,6 +77,14 @@ def test_no_return_from_the_floor_is_no_harm(scans: tuple[Scan, Scan], measured:
     sigmas = [box.sigma[box.vertical] for box in (dark, shown)]
     assert 1 < sigmas[0] / sigmas[1] < 3  # of a thousand readings, not of all
     assert measure(black(scans[0]), camera=CAMERA).boxes == ()
+
+
+def test_what_the_camera_misreads_alike_in_both_scans_is_no_error_of_the_height(scans: tuple[Scan, Scan]) -> None:
+    """The scale and offset of a camera that was not calibrated move floor and top together, as in one scan that shows both."""
+    camera = sensor("pico_flexx")
+    dark = only(measure(black(scans[0]), camera=camera, floor=scans[1]))
+    shown = only(measure(scans[0], camera=camera))
+    assert dark.sigma[dark.vertical] == pytest.approx(shown.sigma[shown.vertical], rel=0.1)
 
 
 def test_a_scan_that_shows_its_floor_goes_by_what_it_shows(scans: tuple[Scan, Scan]) -> None:
