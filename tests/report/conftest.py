@@ -38,7 +38,7 @@ def blob(episode: Episode) -> Episode:
     """One view in which the object was seen but not measured."""
     step = episode.steps[1]
     estimate = step.single.boxes[0]
-    near = Rejected("cut_by_border", 5000, estimate.box.centre, np.array([0.2, 0.15, 0.15]))
+    near = Rejected("cut_by_border", 5000, estimate.box.centre, np.array([0.2, 0.15, 0.15]), CAMERA)
     lost = replace(step.single, boxes=(), rejected=(near,), reason="cut_by_border")
     plan = next_view(lost, camera=CAMERA)
     return Episode(episode.world, (Step(step.scan, lost, lost, plan),))

@@ -56,7 +56,7 @@ class EdgeDistances:
         return EdgeDistances(self.distance[chosen], self.edge[chosen], self.along[chosen])
 
 
-@lru_cache(maxsize=16)  # whoever predicts a view asks for the outline of the same box several times
+@lru_cache(maxsize=16)  # predicting a view asks for it several times; a box is known by its identity
 def outline(box: Box) -> Outline:
     """Return the convex hull of the box's eight projected corners (Andrew's monotone chain)."""
     points = _project(box.corners())

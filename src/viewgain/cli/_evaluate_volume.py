@@ -7,7 +7,15 @@ from viewgain.cli._finish import finish
 from viewgain.cli._fresh_boxes import boxes_alone, boxes_bar, require_two
 from viewgain.cli._volume_commands import EvaluateVolume
 from viewgain.errors import ConfigError
-from viewgain.evaluation import VolumeRow, VolumeTable, check_volume_policies, run_boxes, volume_markdown, volume_table
+from viewgain.evaluation import (
+    VolumeRow,
+    VolumeTable,
+    boxes_in_words,
+    check_volume_policies,
+    run_boxes,
+    volume_markdown,
+    volume_table,
+)
 from viewgain.report import write_confidence_picture
 
 
@@ -43,6 +51,6 @@ def run_evaluate_volume(command: EvaluateVolume) -> int:
 
 def _draw(row: VolumeRow, table: VolumeTable, path: Path) -> None:
     asked = table.settings
-    who = f"{row.name}, {table.boxes:,} fresh boxes of seed {asked.seed}, rig {asked.rig}, camera {asked.camera}"
+    who = f"{row.name}, {boxes_in_words(table)}, rig {asked.rig}, camera {asked.camera}"
     assert row.sure is not None
     write_confidence_picture(row.sure, who, path)

@@ -31,7 +31,7 @@ class EvaluateVolume(FreshBoxes):
     boxes: int = 20
     """How many boxes; one takes half a minute or so with the default estimator."""
     first: int = 0
-    """Number of the first box: so a long run can be done in parts, or on several machines (docs/evaluation.md)."""
+    """Number of the first box: so a long run can be done in parts, or on several machines (docs/volume_nbv.md)."""
     rig: str = "irregular4"
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     policies: tuple[str, ...] = ("expected", "covariance", "farthest", "constant", "random", "oracle")

@@ -114,5 +114,6 @@ from viewgain.evaluation._volume_runs import run_boxes as run_boxes
 from viewgain.evaluation._volume_table import VolumeRow as VolumeRow
 from viewgain.evaluation._volume_table import VolumeTable as VolumeTable
 from viewgain.evaluation._volume_table import volume_table as volume_table
+from viewgain.evaluation._volume_words import boxes_in_words as boxes_in_words
 from viewgain.evaluation._volume_words import volume_markdown as volume_markdown
 from viewgain.evaluation._wilson import wilson as wilson

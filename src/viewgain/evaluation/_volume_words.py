@@ -43,9 +43,8 @@ def _risks(table: VolumeTable) -> list[str]:
 def _heading(table: VolumeTable) -> list[str]:
     asked = table.settings
     what = "fused with the present scan" if asked.fused else "alone"
-    who = f"{table.boxes} fresh boxes of seed {asked.seed}{first_in_words(table.first)}"
     return [
-        f"## Next best view for volume: {who}, rig {asked.rig}, camera {asked.camera}",
+        f"## Next best view for volume: {boxes_in_words(table)}, rig {asked.rig}, camera {asked.camera}",
         "",
         f"Sides {asked.side[0]:g} to {asked.side[1]:g} m, random yaw{off_centre_in_words(asked)}."
         f" A position is worth the expected |relative volume error| of a scan from it {what},"
@@ -59,9 +58,10 @@ def _heading(table: VolumeTable) -> list[str]:
     ]
 
 
-def first_in_words(first: int) -> str:
-    """Return which box is the first if it is not number 0, to go on a number of boxes with."""
-    return f" from number {first} on" if first else ""
+def boxes_in_words(table: VolumeTable) -> str:
+    """Return which boxes were judged."""
+    later = f" from number {table.first} on" if table.first else ""
+    return f"{table.boxes:,} fresh boxes of seed {table.settings.seed}{later}"
 
 
 def off_centre_in_words(asked: VolumeSettings) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, PLANE_NORMALS, Box
 from viewgain.camera import Sensor
-from viewgain.measure._floor import BareFloor
+from viewgain.measure._bare_floor import BareFloor
 from viewgain.measure._likelihood import Evaluation, evaluate
 from viewgain.measure._mixture import Pixels, Softness
 

@@ -1,12 +1,13 @@
 """The floor, from the cloud itself: the largest plane with nothing beneath it that faces up as a camera sees up."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Array, Indices, Mask, Points
+from viewgain.arrays import Array, Indices, Points
 from viewgain.camera import Sensor
 from viewgain.geometry import Plane, fit_plane
+from viewgain.measure._bare_floor import BareFloor
 from viewgain.measure._range_image import RangeImage
 
 _HYPOTHESES = 200
@@ -25,20 +26,6 @@ _RIVALS, _RIVAL_SCORE = 11, 0.5
 """How many are tried, and the share of the best score that they need."""
 _ALIKE, _ALIKE_M, _SAME_WAY = np.cos(np.deg2rad(0.8)), 0.015, np.cos(np.deg2rad(10.0))
 """Hypotheses are alike within both of the first, and lean the same way within the last; cosines and metres."""
-_OWN_FLOOR = 0.2
-"""A scan of which a smaller share lies on the floor leaves saying where it is to the scan of the empty scene."""
-_BARE, _BARE_SPREADS = 1000, 3.0
-"""How many readings of the empty scene say so, at most, and from within how many spreads of its plane."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class BareFloor:
-    """Readings of the floor without anything on it, from where the scan was taken."""
-
-    directions: Points
-    """(m, 3) unit rays, camera frame."""
-    ranges: Array
-    """(m,) measured range, metres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,27 +77,6 @@ def find_floors(image: RangeImage, sensor: Sensor) -> list[Floor]:
             planes = [Plane(directions[k], float(offsets[k])) for k in _apart(directions, offsets, nearly)]
             floors.append(_refined(image, planes, blocks, sensor))
     return floors
-
-
-def with_bare(floor: Floor, empty: RangeImage, scan: RangeImage) -> Floor:
-    """Return a floor that was found in an empty scene, with its readings there if the scan itself shows little of it.
-
-    Args:
-        floor: The floor.
-        empty: The scan of the empty scene.
-        scan: The scan that is measured, from the same pose.
-    """
-    if _on(floor, scan).sum() >= _OWN_FLOOR * scan.valid.sum():
-        return floor
-    at = np.flatnonzero(_on(floor, empty))
-    at = at[:: max(1, len(at) // _BARE)]
-    return replace(floor, bare=BareFloor(empty.directions.reshape(-1, 3)[at], empty.ranges.ravel()[at]))
-
-
-def _on(floor: Floor, image: RangeImage) -> Mask:
-    """Return the (h, w) pixels that see the floor."""
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.abs(floor.plane.height(image.points)) < _BARE_SPREADS * floor.spread)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

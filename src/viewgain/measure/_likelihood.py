@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import log_ndtr
 
-from viewgain.arrays import Array, Points
+from viewgain.arrays import Array
 from viewgain.box import (
     PARAMETERS,
     PLANE_NORMALS,
@@ -21,14 +21,13 @@ from viewgain.box import (
     Hits,
     edge_cosines,
     edge_end_jacobians,
-    floor_hits,
     range_jacobian_factors,
 )
 from viewgain.camera import Sensor
-from viewgain.measure._floor import BareFloor
-from viewgain.measure._mixture import FAR, FLYING_REACH, Mixture, Pixels, Softness, Surface, mix
+from viewgain.measure._bare_floor import BareFloor
+from viewgain.measure._mixture import FLYING_REACH, Mixture, Pixels, Softness, mix
+from viewgain.measure._readings import Readings, bare_readings, shown_readings
 
-_NEGLIGIBLE = 1e-3
 _HALF_LOG_TWO_PI = 0.9189385332046727
 
 
@@ -60,7 +59,7 @@ class Evaluation:
     """How sharply it was looked at."""
     mixture: Mixture
     """What each pixel was taken for."""
-    bare: "_Readings | None" = None
+    bare: Readings | None = None
     """Readings of the bare floor, where an empty scene says where it is."""
 
     @cached_property
@@ -69,8 +68,8 @@ class Evaluation:
         return self.mixture.value + (0.0 if self.bare is None else self.bare.log_density)
 
     @property
-    def _all_readings(self) -> tuple["_Readings", ...]:
-        shown = _shown_readings(self.pixels, self.sensor, self.mixture)
+    def _all_readings(self) -> tuple[Readings, ...]:
+        shown = shown_readings(self.pixels, self.sensor, self.mixture)
         return shown if self.bare is None else (*shown, self.bare)
 
     @cached_property
@@ -125,27 +124,6 @@ class Evaluation:
         return residual
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Readings:
-    """The range readings on one surface."""
-
-    directions: Points
-    """(m, 3) unit rays."""
-    hits: Hits
-    """Where they meet it."""
-    ranges: Array
-    """(m,) measured, metres."""
-    precision: Array
-    """(m,) responsibility over sigma squared."""
-    misfit: Array
-    """(m,) measured minus predicted, metres."""
-
-    @property
-    def log_density(self) -> float:
-        """Log of their joint density were they all of this surface, up to a constant."""
-        return 0.5 * float(np.log(self.precision).sum() - self.precision @ self.misfit**2)
-
-
 def evaluate(
     box: Box, pixels: Pixels, sensor: Sensor, noise: float, softness: Softness, bare: BareFloor | None = None
 ) -> Evaluation:
@@ -159,7 +137,7 @@ def evaluate(
         softness: Blur of outline and range.
         bare: What the camera saw of the floor alone; None where its pixels are to say where that is.
     """
-    readings = None if bare is None else _bare_readings(box, bare, sensor, noise, softness)
+    readings = None if bare is None else bare_readings(box, bare, sensor, noise, softness)
     return Evaluation(box, pixels, sensor, softness, mix(box, pixels, sensor, noise, softness), readings)
 
 
@@ -187,36 +165,6 @@ def _derivatives(evaluation: Evaluation) -> Derivatives:
         carried.sum(axis=1),
         gram.sum(axis=(1, 2)),
     )
-
-
-def _shown_readings(pixels: Pixels, sensor: Sensor, mixture: Mixture) -> tuple[_Readings, _Readings]:
-    """Return the readings on the faces and on the floor.
-
-    A face that should have lost a return did not give it: so far what it reports was mixed in from elsewhere.
-    """
-    kept = mixture.on_box * (1 - sensor.loss(mixture.box.hits.cosine))
-    return _readings(pixels, mixture.box, kept, np.inf), _readings(pixels, mixture.floor, mixture.on_floor, pixels.horizon)
-
-
-def _bare_readings(box: Box, bare: BareFloor, sensor: Sensor, noise: float, softness: Softness) -> _Readings:
-    """Return the readings of the bare floor; rays that would miss it have something to lose."""
-    hits = floor_hits(box, bare.directions)
-    predicted = np.minimum(hits.ranges, FAR)
-    sigma = np.hypot(noise * sensor.range_sigma(np.minimum(predicted, 10.0), hits.cosine), softness.extra_sigma)
-    return _Readings(bare.directions, Hits(predicted, hits.planes, hits.cosine), bare.ranges, sigma**-2, bare.ranges - predicted)
-
-
-def _readings(pixels: Pixels, surface: Surface, probability: Array, horizon: float) -> _Readings:
-    """Return the range readings on one surface.
-
-    Readings near the ``horizon`` are left out: beyond it nothing comes back, so of those just before it only the short ones
-    do, and they would tilt the floor.
-    """
-    responsibility = probability * surface.gauss
-    used = np.flatnonzero((responsibility > _NEGLIGIBLE) & (surface.hits.ranges < horizon - 4 * surface.sigma))
-    at, sigma = surface.at[used], surface.sigma[used]
-    precision, misfit = responsibility[used] / sigma**2, surface.z[used] * sigma
-    return _Readings(pixels.directions[at], surface.hits.take(used), pixels.ranges[at], precision, misfit)
 
 
 def _edge_terms(mixture: Mixture, blur: float) -> tuple[Array, Array]:

@@ -6,7 +6,8 @@ import numpy as np
 
 from viewgain.arrays import Mask
 from viewgain.camera import Sensor, sensor
-from viewgain.measure._floor import Floor, find_floors, with_bare
+from viewgain.measure._bare_floor import bare_floor
+from viewgain.measure._floor import Floor, find_floors
 from viewgain.measure._range_image import RangeImage, range_image
 from viewgain.measure._result import BoxEstimate, Measurement, Rejected
 from viewgain.measure._segment import segment
@@ -36,13 +37,18 @@ def measure(scan: Scan, *, camera: str | Sensor | None = None, floor: Scan | Non
     known = sensor_of(camera)
     image = range_image(scan).corrected(known)
     model = replace(known, intrinsics=image.whole_camera())
-    empty = None if floor is None else range_image(floor).corrected(known)
-    floors = find_floors(image, model) if empty is None else [with_bare(each, empty, image) for each in find_floors(empty, model)]
+    floors = find_floors(image, model) if floor is None else _floors_of(range_image(floor).corrected(known), image, model)
     attempts = [_on_floor(image, candidate, model, noise_known=camera is not None) for candidate in floors]
     if not attempts:
         attempts = [Measurement((), None, (), "no_floor")]
     best = max(attempts, key=_explained)
     return replace(best, scans=(scan.source,), camera_to_world=scan.camera_to_world, notes=scan.notes)
+
+
+def _floors_of(empty: RangeImage, image: RangeImage, model: Sensor) -> list[Floor]:
+    """Return the floors of an empty scene, as evidence where the scan itself shows too little of them."""
+    found = find_floors(empty, model)
+    return [replace(floor, bare=bare_floor(floor.plane, floor.spread, empty, image)) for floor in found]
 
 
 def _explained(attempt: Measurement) -> tuple[int, bool]:
@@ -82,4 +88,4 @@ def _on_floor(image: RangeImage, floor: Floor, model: Sensor, *, noise_known: bo
 def _rejected(refusal: Refusal, scene: OnFloor, own: Mask) -> Rejected:
     points = scene.image.points[own]
     low, high = np.quantile(points, [0.02, 0.98], axis=0)
-    return Rejected(refusal.reason, len(points), points.mean(axis=0), (high - low) / 2, refusal.estimate, scene.model)
+    return Rejected(refusal.reason, len(points), points.mean(axis=0), (high - low) / 2, scene.model, refusal.estimate)

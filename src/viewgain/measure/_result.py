@@ -15,6 +15,8 @@ from viewgain.measure._uncertainty import Z90, Interval, Knowledge
 
 SCHEMA = 1
 """Version of the JSON form; it grows by new keys only."""
+MICROMETRES, CUBIC_MILLIMETRES = 6, 9
+"""Decimals of metres and cubic metres as they are written."""
 REASONS = {
     "no_floor": "no plane in the scan can be a floor; show more of the floor, or give an empty scene with --floor",
     "nothing_on_floor": "nothing stands on the floor; is the box lower than 1.5 cm, or out of range?",
@@ -122,12 +124,12 @@ class BoxEstimate:
         """Return the JSON form of one box (docs/json.md)."""
         return {
             "dimensions_m": _rounded(self.dimensions),
-            "sigma_m": [_micrometres(s) for s in self.sigma],
-            "interval90_m": [[_micrometres(end) for end in interval] for interval in self.interval90],
+            "sigma_m": [_written(s) for s in self.sigma],
+            "interval90_m": [[_written(end) for end in interval] for interval in self.interval90],
             "vertical": self.vertical,
-            "volume_m3": _cubic_millimetres(self.volume),
-            "volume_sigma_m3": _cubic_millimetres(self.volume_sigma),
-            "volume_interval90_m3": [_cubic_millimetres(end) for end in self.volume_interval90],
+            "volume_m3": _written(self.volume, CUBIC_MILLIMETRES),
+            "volume_sigma_m3": _written(self.volume_sigma, CUBIC_MILLIMETRES),
+            "volume_interval90_m3": [_written(end, CUBIC_MILLIMETRES) for end in self.volume_interval90],
             "box_to_camera": _rounded(self.oriented()),
             "box_to_world": _rounded(camera_to_world @ self.oriented()),
             "faces_seen": [name for name in FACES if any(face.name == name and face.seen for face in self.quality.faces)],
@@ -171,10 +173,10 @@ class Rejected:
     """(3,) mean of its points, metres, camera frame."""
     spread: Vector3
     """(3,) half-extent of its points, metres, camera frame axes."""
+    sensor: Sensor
+    """The camera that saw it, with the scan's own image."""
     estimate: BoxEstimate | None = None
     """The box that was fitted to it, where it is a box but too little of it is seen; for planning the next view."""
-    sensor: Sensor | None = None
-    """The camera that saw it, with the scan's own image; None where nobody says."""
 
     def to_dict(self) -> dict[str, object]:
         """Return the JSON form (docs/json.md)."""
@@ -237,12 +239,8 @@ def floor_json(floor: Floor | None) -> dict[str, object] | None:
     return {"normal_camera": normal, "camera_height_m": height, "spread_m": round(floor.spread, 5)}
 
 
-def _micrometres(length: float | None) -> float | None:
-    return None if length is None else round(length, 6)
-
-
-def _cubic_millimetres(volume: float | None) -> float | None:
-    return None if volume is None else round(volume, 9)
+def _written(value: float | None, unit: int = MICROMETRES) -> float | None:
+    return None if value is None else round(value, unit)
 
 
 def _finite(value: float) -> float | None:
@@ -250,4 +248,4 @@ def _finite(value: float) -> float | None:
 
 
 def _rounded(array: Array) -> list[object]:
-    return np.round(np.asarray(array, dtype=float), 6).tolist()  # type: ignore[no-any-return]
+    return np.round(np.asarray(array, dtype=float), MICROMETRES).tolist()  # type: ignore[no-any-return]

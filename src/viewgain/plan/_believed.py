@@ -43,7 +43,7 @@ def believe(measured: Measurement, sensor: Sensor, place: Place | None = None, s
 
     Args:
         measured: What the scans say.
-        sensor: The camera.
+        sensor: The camera, for a scan in which nothing was measured; what was says which it was.
         place: Where the box stands, in the last scan's camera frame; None where nobody knows (:func:`belief_from`).
         scans: The scans so far. Where nothing was measured, the one whose pose the measurement has is looked at
             (:func:`belief_from_glimpse`); that need not be the last.
@@ -55,7 +55,7 @@ def believe(measured: Measurement, sensor: Sensor, place: Place | None = None, s
         return belief_from(measured.boxes[0], place)
     if measured.rejected:
         blob = measured.rejected[0]
-        return belief_from_blob(blob, measured, sensor) if blob.estimate is None else belief_from(blob.estimate, place)
+        return belief_from_blob(blob, measured) if blob.estimate is None else belief_from(blob.estimate, place)
     here = measured.camera_to_world
     scan = None if here is None else _taken_at(here, scans)
     if place is None or scan is None or here is None:
@@ -132,7 +132,7 @@ def belief_from_glimpse(scan: Scan, camera_to_world: Pose, place: Place, sensor:
     return Belief(boxes, _known_to_a_third(extents, height=3 / extents[2]), here, 1.0, bounded=False, guessed=True, glimpsed=True)
 
 
-def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Belief:
+def belief_from_blob(blob: Rejected, current: Measurement) -> Belief:
     """Return the belief about an object that could not be measured: its bounding box, each number known to a third."""
     assert current.floor is not None
     placing = floor_to_camera(current.floor.plane)
@@ -142,8 +142,7 @@ def belief_from_blob(blob: Rejected, current: Measurement, sensor: Sensor) -> Be
     reach = np.maximum(np.abs(local - middle).mean(axis=0), 0.03)
     extents = np.array([2 * reach[0], 2 * reach[1], max(middle[2] + reach[2], 0.05)])
     box = Box(placing @ pose(np.eye(3), np.array([middle[0], middle[1], 0.0])), extents)
-    here = blob.sensor or sensor
-    return Belief((box,), _known_to_a_third(extents), here, current.floor.noise, bounded=False, guessed=True)
+    return Belief((box,), _known_to_a_third(extents), blob.sensor, current.floor.noise, bounded=False, guessed=True)
 
 
 def _known_to_a_third(extents: Array, height: float = 20.0) -> Knowledge:
