@@ -224,7 +224,6 @@ def believed(case: VolumeCase, view: int, number: int) -> Scan:
         (["--side", "nan", "0.5"], "sides (nan, 0.5)"),
         (["--rig", "paper4", "--policies", "farthest", "expected_around"], "rig paper4, whose stations look at a corner"),
         (["--rig", "paper4", "--policies", "rehearsed_around"], "rig paper4, whose stations look at a corner"),
-        (["--fused", "--policies", "farthest", "rehearsed"], "they rehearse a scan alone"),
         (["--distance", "inf"], "distance inf"),
         (["--elevation", "nan"], "elevation nan"),
         (["--estimator", "eye"], "estimator: got 'eye'"),

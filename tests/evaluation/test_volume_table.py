@@ -145,8 +145,10 @@ def test_who_rehearses_is_told_the_question_and_nothing_of_the_answer() -> None:
         assert scan is not None
         first, second = (each.policy.estimator(scan) for each in asked)  # type: ignore[attr-defined]
         assert first != second
-    with pytest.raises(ConfigError, match="they rehearse a scan alone"):
-        volume_policy("rehearsed", volume_case(replace(SETTINGS, fused=True), 1))
+    fusing = volume_policy("rehearsed", volume_case(replace(SETTINGS, fused=True), 1))
+    assert isinstance(fusing, OnBelief)
+    assert fusing.policy.fused
+    assert fusing.policy.estimator is None
 
 
 def test_a_rig_in_the_middle_goes_without_saying() -> None:

@@ -34,7 +34,7 @@ WITHOUT_FILE: Mapping[str, Callable[[Scan], Policy]] = {
     "auto": AutomaticPolicy,
     "model": lambda scan: CovariancePolicy(POSE_SIGMA),
     "expected": lambda scan: ExpectedErrorPolicy(),
-    "rehearsed": lambda scan: RehearsedPolicy(),
+    "rehearsed": lambda scan: RehearsedPolicy(fused=True),
 }
 """Policies for which no network can be named."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from viewgain.arrays import Vector
 from viewgain.errors import ConfigError, ModelError
 from viewgain.evaluation._choice import DecisionCase, Question
-from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings
+from viewgain.evaluation._volume_case import VolumeCase
 from viewgain.gain import unrolled, volume_estimator
 from viewgain.inference import PoseScorer, Scorer
 from viewgain.measure import POSE_SIGMA
@@ -84,7 +84,7 @@ def is_from_file(name: str) -> bool:
 
 
 def volume_policy(name: str, case: VolumeCase) -> ViewPolicy:
-    """Return the policy of a name for a case of a box; raises as :func:`policy_of`, and as :func:`check_rehearsing`."""
+    """Return the policy of a name for a case of a box; raises as :func:`policy_of`."""
     return VOLUME_DECIDING[name](case) if name in VOLUME_DECIDING else policy_of(name, case)
 
 
@@ -109,32 +109,20 @@ def _expected(case: DecisionCase, around: float | None = None) -> OnBelief[Expec
 
 
 def _rehearsed(case: VolumeCase, around: float | None = None) -> OnBelief[RehearsedPolicy]:
-    check_rehearsing(case.settings)
-    estimator = volume_estimator(case.settings.estimator, case.camera)
-    policy = RehearsedPolicy(estimator=estimator, arrivals=case.arrivals, reachable=case.reachable, seed=case.number)
+    fused = case.settings.fused
+    policy = RehearsedPolicy(
+        estimator=None if fused else volume_estimator(case.settings.estimator, case.camera),
+        fused=fused,
+        arrivals=case.arrivals,
+        reachable=case.reachable,
+        seed=case.number,
+    )
     return OnBelief(policy, case.camera, around=around)
-
-
-def check_rehearsing(settings: VolumeSettings) -> None:
-    """Refuse questions that nobody rehearses.
-
-    Raises:
-        ConfigError: If scans are fused.
-    """
-    if settings.fused:
-        raise ConfigError(
-            "policies rehearsed, rehearsed_around: got --fused, and they rehearse a scan alone; take expected, combined"
-        )
 
 
 def is_told(name: str) -> bool:
     """Return whether a policy is told that the rig was put up around the box."""
     return name.partition(":")[0].endswith("_around")
-
-
-def rehearses(name: str) -> bool:
-    """Return whether a policy tries scans out, each alone, and so has no opinion of what is fused."""
-    return name.startswith("rehearsed")
 
 
 def around_of(settings: Question) -> float:

@@ -14,11 +14,9 @@ from viewgain.evaluation._volume_choices import (
     INFORMED,
     VOLUME_DECIDING,
     around_of,
-    check_rehearsing,
     is_from_file,
     is_told,
     network_of,
-    rehearses,
     volume_policy,
 )
 from viewgain.evaluation._volume_confidence import opinions_of
@@ -101,8 +99,6 @@ def run_boxes(
         network_of(name, settings)  # a wrong file is said before the first box, which takes its time
     if any(map(is_told, deciding)):
         around_of(settings)  # and so is a wrong rig
-    if any(map(rehearses, deciding)):
-        check_rehearsing(settings)
     if folder is not None:
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
     tasks = [

@@ -30,6 +30,8 @@ from viewgain.plan._expected import physical_outcome as physical_outcome
 from viewgain.plan._explorers import FarthestPolicy as FarthestPolicy
 from viewgain.plan._explorers import UniformPolicy as UniformPolicy
 from viewgain.plan._explorers import spread_order as spread_order
+from viewgain.plan._fused_rehearsal import FusedTrial as FusedTrial
+from viewgain.plan._fused_rehearsal import fused_trial as fused_trial
 from viewgain.plan._judge import VolumeJudge as VolumeJudge
 from viewgain.plan._nearly_best import NEARLY as NEARLY
 from viewgain.plan._nearly_best import chance_of_nearly_best as chance_of_nearly_best

@@ -1,11 +1,11 @@
 """What is believed about the box before moving, how well its volume is known, and the stop rule."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.special import ndtr
 
-from viewgain.arrays import Array, Pose
+from viewgain.arrays import Array, Pose, Poses
 from viewgain.box import Box
 from viewgain.camera import Sensor
 from viewgain.geometry import floor_to_camera
@@ -30,6 +30,8 @@ class Belief:
     """Whether nothing could be measured, and the box is a guess at what stands there."""
     glimpsed: bool = False
     """Whether, of those, the boxes are what explains the scan at a place where one is known to stand."""
+    cameras: Poses = field(default_factory=lambda: np.eye(4)[None])
+    """(k, 4, 4) ``camera_to_current`` of the scans that showed the box; by default the present camera's."""
 
     @property
     def mean(self) -> Box:

@@ -11,10 +11,10 @@ from itertools import product
 
 import numpy as np
 
-from viewgain.arrays import Array, Indices, Pose, Vector
+from viewgain.arrays import Array, Indices, Pose, Poses, Vector
 from viewgain.box import PARAMETERS, Box
 from viewgain.camera import Sensor
-from viewgain.geometry import floor_to_camera, pose
+from viewgain.geometry import floor_to_camera, inverse, pose
 from viewgain.measure import LOOSE_PRIOR, PRIOR_EXTENT, SYSTEMATIC, BoxEstimate, Knowledge, Measurement, Rejected, range_image
 from viewgain.plan._belief import Belief
 from viewgain.plan._place import Place
@@ -85,8 +85,14 @@ def belief_from(estimate: BoxEstimate, place: Place | None = None) -> Belief:
         odds = place.log_odds(np.array([box.centre for box in fine]))
         if odds.max() >= ELSEWHERE:
             boxes = [fine[index] for index in _quantiles(odds, len(boxes))]
-    view = estimate.views[0]
-    return Belief(tuple(boxes), estimate.knowledge, view.sensor, view.noise, not any(estimate.is_open))
+    view, bounded = estimate.views[0], not any(estimate.is_open)
+    return Belief(tuple(boxes), estimate.knowledge, view.sensor, view.noise, bounded, cameras=_cameras(estimate))
+
+
+def _cameras(estimate: BoxEstimate) -> Poses:
+    """Return (k, 4, 4) ``camera_to_current`` of the scans that a box was measured in."""
+    there = [np.eye(4) if view.reference_to_camera is None else view.reference_to_camera for view in estimate.views]
+    return np.stack([inverse(each) for each in there])
 
 
 def _spread(estimate: BoxEstimate, count: int) -> list[Box]:

@@ -19,6 +19,7 @@ from viewgain.geometry import inverse, pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA, measure
 from viewgain.plan._belief import Belief
 from viewgain.rays import SceneCaster
+from viewgain.scans import Scan
 from viewgain.scenes import Scene
 from viewgain.simulate import RangeError, capture, draw_range_error
 
@@ -69,12 +70,27 @@ class Trial:
             camera_to_current: (4, 4) its pose.
             estimator: Who measures.
         """
-        camera_to_box = inverse(self.box.box_to_camera) @ camera_to_current @ self.arrived[index]
-        rng = np.random.default_rng(self.seed)
+        scan = self.scan(camera_to_current @ self.arrived[index], np.random.default_rng(self.seed))
+        return MISS if scan is None else self.cost(lambda: estimator(scan))
+
+    def scan(self, camera_to_current: Pose, rng: np.random.Generator) -> Scan | None:
+        """Return a scan of the box from a pose, in the world of the box's own frame; None where next to nothing comes back.
+
+        Args:
+            camera_to_current: (4, 4) where the camera is.
+            rng: Source of its noise.
+        """
+        camera_to_box = inverse(self.box.box_to_camera) @ camera_to_current
         try:
-            scan = capture(self.caster, camera_to_box, self.sensor, rng=rng, error=self.error)
-            return float(costs(estimator(scan) / self.box.volume - 1))
-        except (ScanError, np.linalg.LinAlgError):  # next to nothing comes back, or nothing can be made of it
+            return capture(self.caster, camera_to_box, self.sensor, rng=rng, error=self.error)
+        except ScanError:
+            return None
+
+    def cost(self, volume: Callable[[], float]) -> float:
+        """Return what a volume costs that somebody works out, cubic metres; all of it where nothing can be made of the scans."""
+        try:
+            return float(costs(volume() / self.box.volume - 1))
+        except (ScanError, np.linalg.LinAlgError):
             return MISS
 
 

@@ -5,18 +5,22 @@ a Beta distribution. Candidates that are surely worse are left alone, so effort 
 1994; docs/volume_nbv.md); a favourite is tried as well before it wins.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 
 import numpy as np
 
-from viewgain.arrays import Array, Indices, Mask, Poses, Vector
+from viewgain.arrays import Array, Indices, Mask, Pose, Poses, Vector
 from viewgain.errors import ConfigError
 from viewgain.gain import VolumeEstimator, volume_estimator
+from viewgain.measure import POSE_SIGMA
 from viewgain.plan._belief import Belief
 from viewgain.plan._expected import ExpectedErrorPolicy
+from viewgain.plan._fused_rehearsal import fused_trial
 from viewgain.plan._policy import Assessment
-from viewgain.plan._rehearsal import Arrivals, arriving_within, trials
+from viewgain.plan._rehearsal import Arrivals, Trial, arriving_within, trials
 
 WORTH = 4.0
 """As many rehearsals as the expected error is worth."""
@@ -24,19 +28,21 @@ ROUND, MOST = 4, 24
 """Rehearsals of a candidate before contenders are looked for anew, and the most of any; the one divides the other."""
 APART = 2.0
 """A candidate contends while it may be the best: within so many standard deviations of the difference."""
-_FORMULA = ExpectedErrorPolicy(fused=False)
-"""Who is asked first, of scans alone."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RehearsedPolicy:
-    """The least volume error of a candidate's scan alone, by what is expected of it and by rehearsals (:mod:`._rehearsal`).
+    """The least volume error after a candidate's scan, by what is expected of it and by rehearsals (:mod:`._rehearsal`).
 
     Where the box is only guessed at, rehearsals would be of something else: there the expected error decides.
     """
 
     estimator: VolumeEstimator | None = None
-    """Who measures; None for the default one."""
+    """Who measures a scan alone; None for the default estimator, the only one that fuses."""
+    fused: bool = False
+    """Whether the candidate's scan is fused with those so far (:mod:`._fused_rehearsal`), or has to measure the box alone."""
+    pose_sigma: tuple[float, float] = POSE_SIGMA
+    """Standard deviation of camera poses that are fused, metres and radians per axis."""
     arrivals: Arrivals | None = None
     """Where cameras arrive that are sent to the candidates; None: :func:`viewgain.plan.arriving_within` them."""
     reachable: Mask | None = None
@@ -51,10 +57,13 @@ class RehearsedPolicy:
         A rehearsal takes as long as simulating and measuring a scan; at most ``MOST`` of each candidate.
 
         Raises:
-            ConfigError: If ``reachable`` is not of these candidates.
+            ConfigError: If ``reachable`` is not of these candidates, or an estimator is given that is to fuse.
         """
         del tolerance
-        by_box = np.array([_FORMULA.errors(belief, box, candidates) for box in belief.boxes])
+        if self.fused and self.estimator is not None:
+            raise ConfigError("rehearsed: got fused and an estimator, which measures scans alone; give one of the two")
+        formula = ExpectedErrorPolicy(self.fused, self.pose_sigma)
+        by_box = np.array([formula.errors(belief, box, candidates) for box in belief.boxes])
         standing = Standing.before(by_box.mean(axis=0))
         if not belief.guessed:
             standing = self._rehearsed(standing, by_box, belief, candidates)
@@ -66,7 +75,6 @@ class RehearsedPolicy:
         return replace(self, reachable=reachable)
 
     def _rehearsed(self, standing: "Standing", by_box: Array, belief: Belief, candidates: Poses) -> "Standing":
-        estimator = self.estimator or volume_estimator("default", belief.sensor)
         arrivals = self.arrivals or arriving_within(len(candidates))
         allowed = self._allowed(len(candidates))
         if allowed.sum() < 2:
@@ -77,9 +85,16 @@ class RehearsedPolicy:
             if len(contenders) == 1 and standing.tried[contenders] > 0:
                 break
             for trial in islice(tries, ROUND):
-                found = [trial.outcome(index, candidates[index], estimator) for index in contenders.tolist()]
+                outcome = self._outcome(trial, belief)
+                found = [outcome(index, candidates[index]) for index in contenders.tolist()]
                 standing = standing.after(contenders, np.array(found) - by_box[trial.of, contenders])
         return standing
+
+    def _outcome(self, trial: Trial, belief: Belief) -> Callable[[int, Pose], float]:
+        """Return what comes of going to a candidate, by its index and pose."""
+        if self.fused:
+            return fused_trial(trial, belief.cameras, belief.sensor, self.pose_sigma).outcome
+        return partial(trial.outcome, estimator=self.estimator or volume_estimator("default", belief.sensor))
 
     def _allowed(self, count: int) -> Mask:
         """Return (count,) candidates that can be chosen."""
