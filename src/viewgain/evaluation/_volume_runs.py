@@ -1,15 +1,15 @@
-"""Boxes worked through by processes: errors that are costly and kept, decisions that are cheap and made anew every time."""
+"""Boxes worked through by processes: errors, which are costly and kept, and decisions, kept where they take long."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from viewgain.arrays import Array, Mask, Vector
-from viewgain.datasets import write_whole
+from viewgain.datasets import make_folder, write_whole
 from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file, rig_digest
 from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim
-from viewgain.evaluation._volume_case import VolumeSettings, volume_case
+from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, volume_case
 from viewgain.evaluation._volume_choices import (
     INFORMED,
     VOLUME_DECIDING,
@@ -20,6 +20,7 @@ from viewgain.evaluation._volume_choices import (
     volume_policy,
 )
 from viewgain.evaluation._volume_confidence import opinions_of
+from viewgain.evaluation._volume_decided import DECISIONS, Decided, decided_text, decisions_file, kept_decisions, takes_long
 from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
 
@@ -58,13 +59,17 @@ class _Task:
     """Whether scans by other cameras are wanted."""
     known: Truth | None
     """What a file says of the box; what is not there is worked out."""
+    decided: Mapping[str, Decided]
+    """What another says has been decided about it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Done:
     run: VolumeRun
     text: str | None
-    """What is to be kept; None where a file says it already."""
+    """What is to be kept of the box; None where a file says it already."""
+    decided: Mapping[str, Decided]
+    """What is to be kept of decisions; empty where a file says it already."""
 
 
 def run_boxes(
@@ -101,6 +106,8 @@ def run_boxes(
         around_of(settings)  # and so is a wrong rig
     if folder is not None:
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
+    if folder is not None and any(map(takes_long, deciding)):
+        make_folder(folder / DECISIONS)
     tasks = [
         _Task(
             settings=settings,
@@ -108,6 +115,7 @@ def run_boxes(
             policies=deciding,
             others=INFORMED in policies,
             known=None if folder is None else kept_truth(box_file(folder, number), settings),
+            decided={} if folder is None else kept_decisions(decisions_file(folder, number), settings),
         )
         for number in range(first, first + boxes)
     ]
@@ -115,6 +123,8 @@ def run_boxes(
     def keep(task: _Task, done: _Done) -> None:
         if folder is not None and done.text is not None:
             write_whole(box_file(folder, task.number), done.text.encode())
+        if folder is not None and done.decided:
+            write_whole(decisions_file(folder, task.number), decided_text(done.decided).encode())
 
     return [done.run for done in all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch)]
 
@@ -122,8 +132,8 @@ def run_boxes(
 def _worked_out(task: _Task) -> _Done:
     case = volume_case(task.settings, task.number)
     truth = truth_of(case, task.known, others=task.others)
-    choices, spent = decisions(case, task.policies, volume_policy)
-    opinions = opinions_of(case) if choices and task.settings.estimator == "default" else None
+    decided = _decided(case, task)
+    opinions = opinions_of(case) if decided and task.settings.estimator == "default" else None
     sides = tuple(float(side) for side in case.box.extents)
     run = VolumeRun(
         number=task.number,
@@ -132,8 +142,19 @@ def _worked_out(task: _Task) -> _Done:
         reachable=case.reachable,
         errors=truth.errors,
         by_others=truth.by_others,
-        choices=choices,
-        milliseconds=spent,
-        numbers={} if opinions is None else {name: decision_numbers(opinions, made.position) for name, made in choices.items()},
+        choices={name: each.choice for name, each in decided.items()},
+        milliseconds={name: each.milliseconds for name, each in decided.items()},
+        numbers={}
+        if opinions is None
+        else {name: decision_numbers(opinions, each.choice.position) for name, each in decided.items()},
     )
-    return _Done(run, None if truth is task.known else truth_text(truth, case))
+    costly = {name: each for name, each in decided.items() if takes_long(name)}
+    is_news = not costly.keys() <= task.decided.keys()
+    return _Done(run, None if truth is task.known else truth_text(truth, case), {**task.decided, **costly} if is_news else {})
+
+
+def _decided(case: VolumeCase, task: _Task) -> dict[str, Decided]:
+    """Return the decision of every policy that is asked: the one that is kept, or a new one."""
+    choices, spent = decisions(case, [name for name in task.policies if name not in task.decided], volume_policy)
+    made = {name: Decided(each, spent[name]) for name, each in choices.items()}
+    return {name: made[name] if name in made else task.decided[name] for name in task.policies}

@@ -1,0 +1,90 @@
+"""Decisions that take long are kept: a race of rehearsals costs what a thousand answers of a formula do.
+
+Quick ones are made anew every time, so that a table always shows what the planners of today do. A kept one is taken for this very
+program only: it stands beside a fingerprint of all its files.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy
+
+import viewgain
+from viewgain.evaluation._choice import Choice
+from viewgain.evaluation._claim import damaged, kept_text
+from viewgain.evaluation._volume_case import VolumeSettings
+
+DECISIONS = "decisions"
+"""Where a folder of results holds one file per box."""
+_LONG = ("rehearsed", "rehearsed_around")
+"""Policies that take seconds."""
+_KINDS = (".py", ".json", ".toml")
+"""Files that a decision may depend on; networks do not rehearse."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decided:
+    """One decision, and what it took."""
+
+    choice: Choice
+    """Where to go."""
+    milliseconds: float
+    """CPU time, measuring included."""
+
+
+def takes_long(name: str) -> bool:
+    """Return whether decisions of a policy are kept."""
+    return name in _LONG
+
+
+def decisions_file(folder: Path, number: int) -> Path:
+    """Return where a folder of results keeps the decisions on a box."""
+    return folder / DECISIONS / f"box{number:05d}.json"
+
+
+def decided_text(decided: Mapping[str, Decided]) -> str:
+    """Return what is kept of a box: decisions by policy, beside the program that made them."""
+    return json.dumps({"program": program(), "decisions": {name: asdict(each) for name, each in decided.items()}}) + "\n"
+
+
+def kept_decisions(file: Path, settings: VolumeSettings) -> dict[str, Decided]:
+    """Return the decisions that are kept of a box, by policy; none of another program.
+
+    Raises:
+        DataError: If the file is damaged.
+    """
+    text = kept_text(file)
+    if text is None:
+        return {}
+    try:
+        content = json.loads(text)
+        if content["program"] != program():
+            return {}
+        decided = {name: _decided(**each) for name, each in content["decisions"].items()}
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise damaged(file) from error
+    if not all(0 <= each.choice.position < len(settings.stations().stations) for each in decided.values()):
+        raise damaged(file)
+    return decided
+
+
+def _decided(choice: Mapping[str, Any], milliseconds: float) -> Decided:
+    position, has_opinion, margin = choice["position"], choice["has_opinion"], choice["margin"]
+    return Decided(Choice(int(position), bool(has_opinion), float(margin)), float(milliseconds))
+
+
+@cache
+def program() -> str:
+    """Return a fingerprint of the package's files and of the libraries that do its arithmetic."""
+    root = Path(viewgain.__file__).parent
+    digest = hashlib.sha256(f"numpy {np.__version__} scipy {scipy.__version__}".encode())
+    for file in sorted(each for each in root.rglob("*") if each.suffix in _KINDS):
+        digest.update(f"\n{file.relative_to(root).as_posix()}\n".encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
