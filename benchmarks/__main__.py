@@ -12,6 +12,7 @@ from benchmarks import (
     data,
     data_labels,
     data_statistics,
+    decision,
     enclosing,
     error_model,
     fusion,
@@ -58,6 +59,7 @@ BENCHMARKS = {
     "rounding": rounding.run,
     "run-episodes": run_episodes.run,
     "surrogate": surrogate.run,
+    "decision": decision.run,
     "error-model": error_model.run,
     "trust": trust.run,
     "confidence": confidence.run,
@@ -72,11 +74,14 @@ def main() -> None:
         "--scenes",
         type=int,
         help="scenes of accuracy, volume (of 128), closed-loop, calibration, fusion (pairs; default 200), stacks (60), not-a-box"
-        " (504), enclosing (500), error-model and trust (boxes; 1000), surrogate (boxes; 160), data-labels (meshes; 20),"
-        " coverage-policies (objects; 30) and present-view (objects of a category; 6)",
+        " (504), enclosing (500), error-model and trust (boxes; 1000), surrogate (boxes; 160), decision (scans; 32),"
+        " data-labels (meshes; 20), coverage-policies (objects; 30) and present-view (objects of a category; 6)",
     )
     parser.add_argument(
-        "--workers", type=int, default=2, help="processes of all but accuracy, volume, lines, stacks and real (default 2)"
+        "--workers",
+        type=int,
+        default=2,
+        help="processes of all but accuracy, decision, volume, lines, stacks and real (default 2)",
     )
     parser.add_argument("--cameras", nargs="*", help="calibration: presets (default all)")
     parser.add_argument(

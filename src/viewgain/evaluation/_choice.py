@@ -9,7 +9,7 @@ import numpy as np
 
 from viewgain.arrays import Mask, Poses
 from viewgain.camera import Sensor
-from viewgain.plan import FarthestPolicy, Seen, ViewPolicy, choose, visited_among
+from viewgain.plan import FarthestPolicy, Seen, ViewPolicy, choose, forget_predictions, visited_among
 from viewgain.rigs import Rig
 from viewgain.scans import Scan
 
@@ -102,6 +102,8 @@ def decisions(
 ) -> tuple[dict[str, Choice], dict[str, float]]:
     """Return what each policy chooses, and the CPU milliseconds that it took, measuring included.
 
+    None finds the predictions of another, so its time does not depend on who else is asked.
+
     Args:
         case: Who is asked about what.
         names: Of the policies.
@@ -112,6 +114,7 @@ def decisions(
     spent: dict[str, float] = {}
     for name in names:
         decider = policy(name, case)
+        forget_predictions()
         start = process_time()
         choices[name] = choice(case, decider, seen)
         spent[name] = 1e3 * (process_time() - start)

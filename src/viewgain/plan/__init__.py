@@ -53,6 +53,7 @@ from viewgain.plan._policy import RandomPolicy as RandomPolicy
 from viewgain.plan._policy import Selecting as Selecting
 from viewgain.plan._predict import MIN_FACE_PIXELS as MIN_FACE_PIXELS
 from viewgain.plan._predict import Prediction as Prediction
+from viewgain.plan._predict import forget_predictions as forget_predictions
 from viewgain.plan._predict import predict as predict
 from viewgain.plan._rehearsal import Arrivals as Arrivals
 from viewgain.plan._rehearsal import Trial as Trial

@@ -129,6 +129,11 @@ def _predicted(box_to_camera: bytes, extents: bytes, sensor: Sensor, noise: floa
     return Prediction(_known(ranges + edges, np.column_stack([gradient, shift])), sights, seen_as.border)
 
 
+def forget_predictions() -> None:
+    """Forget the predictions that are kept: for whoever times one policy after another."""
+    _predicted.cache_clear()
+
+
 def _known(information: Array, systematic: Array) -> Knowledge:
     """Return what many will share, so that none can change it."""
     information.flags.writeable = systematic.flags.writeable = False
