@@ -11,7 +11,7 @@ import pytest
 from viewgain.camera import sensor
 from viewgain.cli import main
 from viewgain.cli._text import decider_in_words, decision_in_words
-from viewgain.plan import AROUND, looked_at, next_view
+from viewgain.plan import AROUND, FusedTrial, looked_at, next_view
 from viewgain.scans import read_scan, write_scan
 from viewgain.scenes import Scene, orbit_pose, standing_box
 from viewgain.simulate import capture
@@ -282,6 +282,24 @@ def test_rehearsals_say_how_sure_each_score_is(
     assert "note: trying views out in simulation first" in capsys.readouterr().err
     assert main(["next", *arguments, "rehearsed", "--objective", "coverage"]) == 2
     assert "which knows boxes only" in capsys.readouterr().err
+
+
+def test_rehearsals_are_of_all_scans_together(
+    scans: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known: list[int] = []
+
+    def noting(trial: FusedTrial, index: int, camera_to_current: np.ndarray) -> float:
+        known.append(len(trial.known))
+        return 0.5
+
+    monkeypatch.setattr("viewgain.plan._rehearsed.MOST", 4)
+    monkeypatch.setattr(FusedTrial, "outcome", noting)
+    for count, names in ((1, ["one.png"]), (2, ["one.png", "two.png"]), (2, ["one_unposed.ply", "two_unposed.ply"])):
+        known.clear()
+        plan_of([*(str(scans / name) for name in names), "--tolerance", "0.001", "--policy", "rehearsed"], capsys)
+        assert known
+        assert set(known) == {count}
 
 
 def test_coverage_asks_for_an_object_on_a_floor_as_ever(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,19 +1,34 @@
 """Decisions that take long are kept: for this very program, merged with those of other policies, and never half read."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 
 from viewgain.errors import DataError
 from viewgain.evaluation._choice import Choice
 from viewgain.evaluation._volume_case import VolumeSettings
-from viewgain.evaluation._volume_decided import Decided, decided_text, decisions_file, kept_decisions, program
+from viewgain.evaluation._volume_decided import Decided, decided_text, decisions_file, fingerprint_of, kept_decisions
 from viewgain.evaluation._volume_runs import VolumeRun, run_boxes
 
-SETTINGS = VolumeSettings(seed=5, captures=2, estimator="lines_published", side=(0.2, 0.5))
+SETTINGS = VolumeSettings(seed=5, captures=2, estimator="lines_published", side=(0.7, 0.9))
+"""Of its first box nothing can be measured, so that whoever rehearses is quickly done."""
+NOW = fingerprint_of(SETTINGS)
 MADE = {"rehearsed": Decided(Choice(2, True, 0.125), 12345.5), "rehearsed_around": Decided(Choice(0, False), 7.0)}
+
+
+@pytest.fixture(scope="module")
+def errors(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of results that has the errors of the first box, and no decisions."""
+    folder = tmp_path_factory.mktemp("errors")
+    run_boxes(SETTINGS, 1, ("farthest",), folder=folder)
+    return folder
+
+
+@pytest.fixture
+def folder(errors: Path, tmp_path: Path) -> Path:
+    return copytree(errors, tmp_path / "results")
 
 
 def write(file: Path, text: str) -> None:
@@ -21,54 +36,57 @@ def write(file: Path, text: str) -> None:
     file.write_text(text)
 
 
-def test_what_is_kept_comes_back_but_for_another_program(tmp_path: Path) -> None:
+def kept(file: Path, fingerprint: str = NOW) -> dict[str, Decided]:
+    return kept_decisions(file, SETTINGS, fingerprint)
+
+
+def test_what_is_kept_comes_back_but_for_another_question_or_program(tmp_path: Path) -> None:
     file = decisions_file(tmp_path, 12)
     assert file.name == "box00012.json"
-    assert kept_decisions(file, SETTINGS) == {}
-    write(file, decided_text(MADE))
-    assert kept_decisions(file, SETTINGS) == MADE
-    content = json.loads(file.read_text())
-    assert content["program"] == program()
-    write(file, json.dumps({**content, "program": "another"}))
-    assert kept_decisions(file, SETTINGS) == {}
+    assert kept(file) == {}
+    write(file, decided_text(MADE, NOW))
+    assert kept(file) == MADE
+    assert kept(file, "another") == {}
 
 
 @pytest.mark.parametrize(
     "text",
-    ["{", "[]", '{"decisions": {}}', '{"program": "P", "decisions": {"rehearsed": {"choice": {}, "milliseconds": 1}}}']
-    + [
-        decided_text({"rehearsed": Decided(replace(MADE["rehearsed"].choice, position=place), 1.0)}) for place in (-1, 4)
-    ],  # of a rig of four
+    [
+        "{",
+        "[]",
+        '{"decisions": {}}',
+        '{"made_under": "NOW", "decisions": {"rehearsed": {"choice": {}, "milliseconds": 1}}}',
+        decided_text(MADE, "NOW").replace('"position": 2', '"position": -1'),
+        decided_text(MADE, "NOW").replace('"position": 2', '"position": 4'),  # of a rig of four
+        decided_text(MADE, "NOW").replace('"position": 2', '"position": Infinity'),
+    ],
 )
 def test_what_makes_no_sense_is_refused(text: str, tmp_path: Path) -> None:
     file = decisions_file(tmp_path, 0)
-    write(file, text.replace('"P"', f'"{program()}"'))
+    write(file, text)
     with pytest.raises(DataError, match="is damaged; remove it"):
-        kept_decisions(file, SETTINGS)
+        kept(file, "NOW")
 
 
-@pytest.mark.slow
-def test_nobody_rehearses_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nobody_rehearses_twice(folder: Path) -> None:
     """The kept choice is taken even where it is not what a rehearsal would say; a policy that was not asked before is added."""
-    monkeypatch.setattr("viewgain.plan._rehearsed.MOST", 4)
 
     def run(*policies: str) -> VolumeRun:
-        return run_boxes(SETTINGS, 1, policies, folder=tmp_path)[0]
+        return run_boxes(SETTINGS, 1, policies, folder=folder)[0]
 
     first = run("farthest", "rehearsed")
-    file = decisions_file(tmp_path, 0)
-    kept = kept_decisions(file, SETTINGS)
-    assert kept == {"rehearsed": Decided(first.choices["rehearsed"], first.milliseconds["rehearsed"])}
+    file = decisions_file(folder, 0)
+    assert kept(file) == {"rehearsed": Decided(first.choices["rehearsed"], first.milliseconds["rehearsed"])}
 
     other = replace(first.choices["rehearsed"], position=(first.choices["rehearsed"].position + 1) % 4)
-    write(file, decided_text({"rehearsed": Decided(other, 3.0)}))
+    write(file, decided_text({"rehearsed": Decided(other, 3.0)}, NOW))
     again = run("rehearsed", "farthest")
     assert list(again.choices) == ["rehearsed", "farthest"]
     assert (again.choices["rehearsed"], again.milliseconds["rehearsed"]) == (other, 3.0)
     assert again.choices["farthest"] == first.choices["farthest"]
 
     run("rehearsed_around")
-    after = kept_decisions(file, SETTINGS)
+    after = kept(file)
     assert after["rehearsed"].choice == other
     assert set(after) == {"rehearsed", "rehearsed_around"}
     untouched = file.stat().st_mtime_ns
@@ -76,20 +94,42 @@ def test_nobody_rehearses_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert file.stat().st_mtime_ns == untouched
 
 
-def test_quick_decisions_are_not_kept(tmp_path: Path) -> None:
-    run_boxes(SETTINGS, 1, ("farthest",), folder=tmp_path)
-    assert not decisions_file(tmp_path, 0).parent.exists()
+def test_quick_decisions_are_not_kept(errors: Path) -> None:
+    assert not decisions_file(errors, 0).parent.exists()
 
 
-def test_every_file_of_the_package_makes_another_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_that_was_changed_meanwhile_keeps_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody could say by which of the two the decision was made."""
+    found = iter(["before", "after"])
+    monkeypatch.setattr("viewgain.evaluation._volume_runs.fingerprint_of", lambda settings: next(found))
+    (run,) = run_boxes(SETTINGS, 1, ("rehearsed",), folder=folder)
+    assert "rehearsed" in run.choices
+    assert not decisions_file(folder, 0).exists()
+
+
+def test_two_runs_on_one_folder_keep_both_their_decisions(folder: Path) -> None:
+    """While the first is at work the second writes its own."""
+    file = decisions_file(folder, 0)
+
+    def meanwhile(done: int, total: int) -> None:
+        if done == 0:
+            write(file, decided_text({"rehearsed_around": MADE["rehearsed_around"]}, NOW))
+
+    run_boxes(SETTINGS, 1, ("rehearsed",), folder=folder, watch=meanwhile)
+    assert set(kept(file)) == {"rehearsed", "rehearsed_around"}
+    assert kept(file)["rehearsed_around"] == MADE["rehearsed_around"]
+
+
+def test_whatever_a_decision_depends_on_makes_another_fingerprint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "plan").mkdir()
     for name in ("__init__.py", "plan/error_model.json"):
         (tmp_path / name).write_text("1")
     monkeypatch.setattr("viewgain.__file__", str(tmp_path / "__init__.py"))
-    found = set()
-    for name, text in (("__init__.py", "1"), ("__init__.py", "2"), ("plan/error_model.json", "2"), ("plan/camera.toml", "2")):
-        (tmp_path / name).write_text(text)
-        program.cache_clear()
-        found.add(program())
-    program.cache_clear()
-    assert len(found) == 4
+    found = {fingerprint_of(SETTINGS)}
+    for name in ("__init__.py", "plan/error_model.json", "plan/camera.toml"):
+        (tmp_path / name).write_text("2")
+        found.add(fingerprint_of(SETTINGS))
+    found |= {fingerprint_of(replace(SETTINGS, **other)) for other in ({"seed": 6}, {"camera": "xtion"}, {"rig": "ring8"})}
+    assert len(found) == 7
+    (tmp_path / "plan" / "notes.txt").write_text("2")
+    assert fingerprint_of(SETTINGS) in found

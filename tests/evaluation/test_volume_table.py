@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from viewgain.arrays import Pose
 from viewgain.errors import ConfigError, DataError
 from viewgain.evaluation import (
     Choice,
@@ -16,10 +17,11 @@ from viewgain.evaluation import (
     volume_markdown,
     volume_table,
 )
+from viewgain.evaluation._choice import decisions
 from viewgain.evaluation._volume_case import _ASIDE, _CASE
 from viewgain.evaluation._volume_choices import policy_of, volume_policy
 from viewgain.evaluation._volume_errors import _OTHERS
-from viewgain.plan import AROUND, OnBelief, RehearsedPolicy, looked_at
+from viewgain.plan import AROUND, FusedTrial, OnBelief, RehearsedPolicy, looked_at
 from viewgain.rigs import poses
 
 SETTINGS = VolumeSettings(captures=6)
@@ -145,10 +147,24 @@ def test_who_rehearses_is_told_the_question_and_nothing_of_the_answer() -> None:
         assert scan is not None
         first, second = (each.policy.estimator(scan) for each in asked)  # type: ignore[attr-defined]
         assert first != second
-    fusing = volume_policy("rehearsed", volume_case(replace(SETTINGS, fused=True), 1))
-    assert isinstance(fusing, OnBelief)
-    assert fusing.policy.fused
-    assert fusing.policy.estimator is None
+
+
+def test_a_second_view_is_rehearsed_with_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    known: list[int] = []
+    outcome = FusedTrial.outcome
+
+    def noting(trial: FusedTrial, index: int, camera_to_current: Pose) -> float:
+        known.append(len(trial.known))
+        return outcome(trial, index, camera_to_current)
+
+    monkeypatch.setattr("viewgain.plan._rehearsed.MOST", 4)
+    monkeypatch.setattr(FusedTrial, "outcome", noting)
+    case = volume_case(VolumeSettings(seed=5, side=(0.2, 0.4), captures=2, fused=True), 0)
+    choices, _ = decisions(case, ["rehearsed"], volume_policy)
+    assert choices["rehearsed"].has_opinion
+    assert case.reachable[choices["rehearsed"].position]
+    assert known
+    assert set(known) == {1}
 
 
 def test_a_rig_in_the_middle_goes_without_saying() -> None:

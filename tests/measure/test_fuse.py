@@ -191,6 +191,8 @@ def test_a_box_that_only_one_scan_shows_is_kept_as_it_was_measured() -> None:
     assert fused.reason is None
     np.testing.assert_array_equal(fused.boxes[0].dimensions, alone.dimensions)
     np.testing.assert_allclose(in_world(fused.boxes[0], elsewhere).corners(), in_world(alone, view).corners(), atol=1e-9)
+    seen_as = fused.boxes[0].views[0].sees(fused.boxes[0].box, np.zeros(6))  # by the camera that did see it
+    np.testing.assert_allclose(seen_as.corners(), alone.box.corners(), atol=1e-9)
 
 
 def test_less_sure_poses_give_wider_intervals() -> None:

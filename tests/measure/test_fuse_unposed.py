@@ -129,6 +129,22 @@ def test_two_boxes_are_told_apart_by_size_and_place() -> None:
         np.testing.assert_allclose(nearest.dimensions, np.sort(box.extents)[::-1], atol=0.006)
 
 
+def test_every_view_of_a_box_knows_where_its_camera_stood() -> None:
+    """The last scan shows the first box only, so the second is of two other cameras, and told in the frame of that."""
+    rng = np.random.default_rng(36)
+    boxes = standing_box(np.array([0.3, 0.2, 0.25]), at=(-0.25, 0.0)), standing_box(np.array([0.2, 0.25, 0.15]), at=(0.25, 0.05))
+    views = [orbit_pose(np.array([0, 0, 0.1]), np.deg2rad(azimuth), np.deg2rad(42), 1.4) for azimuth in (-100, -20, -60)]
+    shown = (boxes, boxes, boxes[:1])
+    singles = [measure(lost(scan_of(*some, view=view, rng=rng)), camera=CAMERA) for some, view in zip(shown, views, strict=True)]
+    fused = fuse_measurements(singles)
+    assert sorted(len(box.views) for box in fused.boxes) == [2, 3]
+    for box in fused.boxes:
+        for view in box.views:
+            centre = view.sees(box.box, np.zeros(6)).centre
+            measured = [found.box.centre for single in singles for found in single.boxes if found.views[0].pixels is view.pixels]
+            assert min(np.linalg.norm(found - centre) for found in measured) < 0.02
+
+
 def test_a_scan_of_another_box_is_left_out_and_named() -> None:
     rng = np.random.default_rng(37)
     same = alone(standing_box(np.array([0.3, 0.2, 0.25])), (40, 140), rng)

@@ -47,7 +47,7 @@ def run_next(command: Next) -> int:
     current = measure(scans[0], camera=camera, floor=floor) if len(scans) == 1 else fuse(scans, camera=camera, floor=floor)
     if command.deciding.policy == "rehearsed" and not command.json:
         print(
-            "viewgain: note: trying views out in simulation first unless enough is known; eight take up to two minutes",
+            "viewgain: note: trying views out in simulation first unless enough is known; eight views take a minute or more",
             file=sys.stderr,
         )
     plan = next_view(

@@ -37,7 +37,7 @@ class EvaluateVolume(FreshBoxes):
     policies: tuple[str, ...] = ("expected", "covariance", "farthest", "constant", "random", "oracle")
     """Who chooses: expected, expected_around, rehearsed, rehearsed_around, covariance, farthest, constant, random, informed,
     oracle, network:FILE.onnx, combined:FILE.onnx, combined_around:FILE.onnx (_around: is told that the rig was put up around the
-    box, to 10 cm; rehearsed: tries the contenders out in simulation, some seconds for each box)."""
+    box, to 10 cm; rehearsed: tries the contenders out in simulation, up to a minute for each box)."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 24

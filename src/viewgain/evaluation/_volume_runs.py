@@ -20,7 +20,15 @@ from viewgain.evaluation._volume_choices import (
     volume_policy,
 )
 from viewgain.evaluation._volume_confidence import opinions_of
-from viewgain.evaluation._volume_decided import DECISIONS, Decided, decided_text, decisions_file, kept_decisions, takes_long
+from viewgain.evaluation._volume_decided import (
+    DECISIONS,
+    Decided,
+    decided_text,
+    decisions_file,
+    fingerprint_of,
+    kept_decisions,
+    takes_long,
+)
 from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
 
@@ -60,7 +68,7 @@ class _Task:
     known: Truth | None
     """What a file says of the box; what is not there is worked out."""
     decided: Mapping[str, Decided]
-    """What another says has been decided about it."""
+    """Decisions on the box that are kept, by policy."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +77,7 @@ class _Done:
     text: str | None
     """What is to be kept of the box; None where a file says it already."""
     decided: Mapping[str, Decided]
-    """What is to be kept of decisions; empty where a file says it already."""
+    """Decisions to be kept, by policy; those that are kept already are missing."""
 
 
 def run_boxes(
@@ -90,7 +98,7 @@ def run_boxes(
         policies: Names of policies that decide on a scan.
         first: Number of the first box, 0 or more; what becomes of a box depends on its number alone.
         workers: Processes, one thread each; the results are the same whatever the number.
-        folder: Where errors are kept, box by box, and taken from if they are there; made if it is missing.
+        folder: Where errors and long decisions are kept, box by box, and taken from if they are there; made if it is missing.
         watch: Is told how far it is.
 
     Raises:
@@ -108,6 +116,7 @@ def run_boxes(
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
     if folder is not None and any(map(takes_long, deciding)):
         make_folder(folder / DECISIONS)
+    fingerprint = fingerprint_of(settings)  # before the first box, for the program may be changed while this one runs
     tasks = [
         _Task(
             settings=settings,
@@ -115,7 +124,7 @@ def run_boxes(
             policies=deciding,
             others=INFORMED in policies,
             known=None if folder is None else kept_truth(box_file(folder, number), settings),
-            decided={} if folder is None else kept_decisions(decisions_file(folder, number), settings),
+            decided={} if folder is None else kept_decisions(decisions_file(folder, number), settings, fingerprint),
         )
         for number in range(first, first + boxes)
     ]
@@ -123,8 +132,10 @@ def run_boxes(
     def keep(task: _Task, done: _Done) -> None:
         if folder is not None and done.text is not None:
             write_whole(box_file(folder, task.number), done.text.encode())
-        if folder is not None and done.decided:
-            write_whole(decisions_file(folder, task.number), decided_text(done.decided).encode())
+        if folder is not None and done.decided and fingerprint_of(settings) == fingerprint:
+            file = decisions_file(folder, task.number)
+            both = {**kept_decisions(file, settings, fingerprint), **done.decided}  # another run may have added its own
+            write_whole(file, decided_text(both, fingerprint).encode())
 
     return [done.run for done in all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch)]
 
@@ -148,9 +159,8 @@ def _worked_out(task: _Task) -> _Done:
         if opinions is None
         else {name: decision_numbers(opinions, each.choice.position) for name, each in decided.items()},
     )
-    costly = {name: each for name, each in decided.items() if takes_long(name)}
-    is_news = not costly.keys() <= task.decided.keys()
-    return _Done(run, None if truth is task.known else truth_text(truth, case), {**task.decided, **costly} if is_news else {})
+    news = {name: each for name, each in decided.items() if takes_long(name) and name not in task.decided}
+    return _Done(run, None if truth is task.known else truth_text(truth, case), news)
 
 
 def _decided(case: VolumeCase, task: _Task) -> dict[str, Decided]:

@@ -11,6 +11,7 @@ import numpy as np
 from viewgain.arrays import Array, Pose
 from viewgain.box import PARAMETERS, PLANE_NORMALS, Box
 from viewgain.camera import Sensor
+from viewgain.geometry import inverse
 from viewgain.measure._bare_floor import BareFloor
 from viewgain.measure._likelihood import Evaluation, evaluate
 from viewgain.measure._mixture import Pixels, Softness
@@ -46,6 +47,15 @@ class View:
         if self.reference_to_camera is None:
             return box
         return box.in_frame(self.reference_to_camera).moved(np.concatenate([correction, np.zeros(3)]))
+
+    def in_frame(self, reference_to_new: Pose) -> "View":
+        """Return the view of a box that is given in another camera's frame from now on.
+
+        Args:
+            reference_to_new: (4, 4) pose of the present reference camera in the new one.
+        """
+        there = inverse(reference_to_new)
+        return replace(self, reference_to_camera=there if self.reference_to_camera is None else self.reference_to_camera @ there)
 
     def with_noise(self, noise: float) -> "View":
         """Return the view with another noise factor."""

@@ -117,7 +117,7 @@ def _fused(group: dict[int, BoxEstimate], worlds: list[Pose], pose_sigma: tuple[
     alone = {index: estimate.box.in_frame(inverse(reference_to_world) @ worlds[index]) for index, estimate in group.items()}
     start = alone[best]
     if len(group) == 1:
-        return replace(group[best], box=start)
+        return group[best].in_frame(inverse(reference_to_world) @ worlds[best])
     views = tuple(_placed(group[index].views[0], worlds[index], reference_to_world, start, pose_sigma) for index in group)
     fit = joint_fit([*alone.values(), _around(start, list(alone.values()))], views)
     last = len(worlds) - 1

@@ -1,6 +1,6 @@
 """What measuring returns: boxes with error bars and flags, or a machine-readable reason; and its JSON form."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,6 +46,16 @@ class BoxEstimate:
     """cut, open, grazing, bent, few_points, touching, flaps, ambiguous, stacked."""
     views: tuple[View, ...]
     """The evidence, for fusing with further scans."""
+
+    def in_frame(self, reference_to_new: Pose) -> "BoxEstimate":
+        """Return the estimate in another camera's frame: the box, and from where it was seen.
+
+        Args:
+            reference_to_new: (4, 4) pose of the present reference camera in the new one.
+        """
+        return replace(
+            self, box=self.box.in_frame(reference_to_new), views=tuple(view.in_frame(reference_to_new) for view in self.views)
+        )
 
     @property
     def order(self) -> Indices:

@@ -55,7 +55,7 @@ def fuse_without_poses(results: list[Measurement]) -> Measurement:
     fused = [_fuse_group(group, known.settled) for group in known.groups]
     wanted = [box for group, box in zip(known.groups, fused, strict=True) if _is_measured(group, box.estimate, results)]
     poses = _camera_poses(known.camera_to_map, wanted, frame)
-    boxes = [replace(box.estimate, box=box.estimate.box.in_frame(poses[box.reference])) for box in wanted]
+    boxes = [box.estimate.in_frame(poses[box.reference]) for box in wanted]
     boxes.sort(key=lambda box: -box.quality.returns)
     return replace(
         results[frame],

@@ -36,7 +36,7 @@ class FusedTrial:
     """Standard deviation of those beliefs, metres and radians per axis."""
 
     def outcome(self, index: int, camera_to_current: Pose) -> float:
-        """Return what all scans with one from candidate ``index`` cost (:func:`viewgain.gain.costs`).
+        """Return the cost, 0 to 1, of the volume that the scans so far and one from candidate ``index`` give when fused.
 
         Args:
             index: Which candidate.

@@ -87,7 +87,11 @@ class Trial:
             return None
 
     def cost(self, volume: Callable[[], float]) -> float:
-        """Return what a volume costs that somebody works out, cubic metres; all of it where nothing can be made of the scans."""
+        """Return what it costs, 0 to 1, to have the volume that somebody works out; all of it where nothing comes of that.
+
+        Args:
+            volume: Gives cubic metres; NaN for none.
+        """
         try:
             return float(costs(volume() / self.box.volume - 1))
         except (ScanError, np.linalg.LinAlgError):
@@ -114,13 +118,15 @@ def trials(belief: Belief, arrivals: Arrivals, rng: np.random.Generator) -> Iter
 
 
 def as_noisy(belief: Belief, rng: np.random.Generator) -> Sensor:
-    """Return the camera with so much more noise than its data sheet has that a simulated scan is as noisy as the present one.
+    """Return the camera with so much more noise than its data sheet has that a simulated scan is as noisy as the one so far.
 
-    What a data sheet leaves out makes simulated scans noisier than it says, too, so one of the middle box is taken and measured
-    for comparison. Less noise than there is on the data sheet is never claimed; nor anything where that scan shows no box.
+    What a data sheet leaves out makes simulated scans noisier than it says, too, so one of the middle box, from where that was
+    first seen, is taken and measured for comparison. Less noise than there is on the data sheet is never claimed; nor anything
+    where that scan shows no box.
     """
     try:
-        scan = capture(_alone(belief.mean), inverse(belief.mean.box_to_camera), belief.sensor, rng=rng)
+        camera_to_box = inverse(belief.mean.box_to_camera) @ belief.cameras[0]
+        scan = capture(_alone(belief.mean), camera_to_box, belief.sensor, rng=rng)
         shown = measure(scan, camera=belief.sensor).boxes
     except (ScanError, np.linalg.LinAlgError):
         return belief.sensor

@@ -42,9 +42,9 @@ class RehearsedPolicy:
     fused: bool = False
     """Whether the candidate's scan is fused with those so far (:mod:`._fused_rehearsal`), or has to measure the box alone."""
     pose_sigma: tuple[float, float] = POSE_SIGMA
-    """Standard deviation of camera poses that are fused, metres and radians per axis."""
+    """Standard deviation of camera poses, metres and radians per axis."""
     arrivals: Arrivals | None = None
-    """Where cameras arrive that are sent to the candidates; None: :func:`viewgain.plan.arriving_within` them."""
+    """Where cameras arrive that are sent to the candidates; None: about them, by ``pose_sigma``."""
     reachable: Mask | None = None
     """(V,) candidates that can be chosen; nothing is rehearsed of others. None for all."""
     seed: int = 0
@@ -75,7 +75,7 @@ class RehearsedPolicy:
         return replace(self, reachable=reachable)
 
     def _rehearsed(self, standing: "Standing", by_box: Array, belief: Belief, candidates: Poses) -> "Standing":
-        arrivals = self.arrivals or arriving_within(len(candidates))
+        arrivals = self.arrivals or arriving_within(len(candidates), self.pose_sigma)
         allowed = self._allowed(len(candidates))
         if allowed.sum() < 2:
             return standing
