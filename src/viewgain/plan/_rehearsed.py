@@ -54,7 +54,7 @@ class RehearsedPolicy:
             ConfigError: If ``reachable`` is not of these candidates.
         """
         del tolerance
-        by_box = np.array([_FORMULA.errors(belief, box, candidates) for box in belief.boxes])
+        by_box = _FORMULA.errors(belief, candidates)
         standing = Standing.before(by_box.mean(axis=0))
         if not belief.guessed:
             standing = self._rehearsed(standing, by_box, belief, candidates)
