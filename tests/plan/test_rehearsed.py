@@ -236,9 +236,8 @@ def test_of_several_boxes_each_is_held_against_what_was_expected_of_it() -> None
     """A box that is hard to measure comes up in a rehearsal: no surprise, so nothing is learned from it."""
     belief, policy = belief_in(*(scaled(factor) for factor in (0.5, 0.7, 1.0, 1.5, 2.0))), ExpectedErrorPolicy(fused=False)
     rehearsed = islice(trials(belief, EXACTLY, np.random.default_rng(0)), MOST)
-    answers = iter([
-        trial.box.volume * (1 + error) for trial in rehearsed for error in policy.errors(belief, trial.box, CANDIDATES)
-    ])  # fmt: skip
+    volumes = [trial.box.volume * (1 + policy.errors(belief_in(trial.box), CANDIDATES)[0]) for trial in rehearsed]
+    answers = iter(np.concatenate(volumes).tolist())
     after = scores(RehearsedPolicy(estimator=lambda scan: next(answers), arrivals=EXACTLY), belief)
     assert next(answers, None) is None  # all three contended throughout, or the answers were given to others
     assert after == pytest.approx(expected(belief))
@@ -258,7 +257,7 @@ def test_nobody_is_rehearsed_where_there_is_nothing_to_choose_or_the_box_is_a_gu
 
 def test_a_favourite_is_tried_and_left_if_it_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """The formula is all but certain, and wrong: who goes by it alone goes to the one place from where nothing is measured."""
-    monkeypatch.setattr(ExpectedErrorPolicy, "errors", lambda *arguments: [0.02, 0.8, 0.9])
+    monkeypatch.setattr(ExpectedErrorPolicy, "errors", lambda *arguments: np.array([[0.02, 0.8, 0.9]]))
     asked: list[int] = []
     off = by_place(1.0, 0.01, 0.01)
 

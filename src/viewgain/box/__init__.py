@@ -28,4 +28,5 @@ from viewgain.box._silhouette import edge_cosines as edge_cosines
 from viewgain.box._silhouette import edge_distances as edge_distances
 from viewgain.box._silhouette import edge_end_jacobians as edge_end_jacobians
 from viewgain.box._silhouette import edge_jacobian as edge_jacobian
+from viewgain.box._silhouette import following as following
 from viewgain.box._silhouette import outline as outline

@@ -12,7 +12,6 @@ import numpy as np
 from viewgain.arrays import Array, Indices, Points2
 from viewgain.box._box import CORNERS, FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
 from viewgain.box._silhouette import NEAR, following, outline
-from viewgain.geometry import transform
 
 BORDER_PX = 1.0
 """An outline that comes this close to the image border counts as being on it, pixels."""
@@ -63,49 +62,52 @@ def constraints(
     Returns:
         A border share of 1 for a box that reaches behind the camera.
     """
-    return Constraints(incidence(box), border_share(box, to_pixels, size, margin))
+    return Constraints(incidence(box), float(border_share(box, to_pixels, size, margin)))
 
 
 def incidence(box: Box) -> Array:
-    """Return the (5,) angle of incidence at the centre of each face, radians; NaN for a face turned away from the camera."""
+    """Return the (5,) angle of incidence at the centre of each face, radians; NaN for a face turned away from the camera.
+
+    Takes a stack.
+    """
     normals = PLANE_NORMALS[:FLOOR]
-    centres = PLANE_EXTENTS[:FLOOR] * normals.sum(axis=1, keepdims=True) * box.extents
-    centres[:, 2] += np.where(normals[:, 2] == 0, box.extents[2] / 2, 0.0)
-    seen = transform(box.box_to_camera, centres)
-    cosine = -np.sum(seen * (normals @ box.box_to_camera[:3, :3].T), axis=1) / np.linalg.norm(seen, axis=1)
+    centres = PLANE_EXTENTS[:FLOOR] * normals.sum(axis=1, keepdims=True) * box.extents[..., None, :]
+    centres[..., 2] += np.where(normals[:, 2] == 0, box.extents[..., 2:] / 2, 0.0)
+    seen = box.in_camera(centres)
+    cosine = -np.sum(seen * (normals @ box.box_to_camera[..., :3, :3].mT), axis=-1) / np.linalg.norm(seen, axis=-1)
     return np.asarray(np.arccos(np.where(cosine > 0, np.minimum(cosine, 1.0), np.nan)))
 
 
-def border_share(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[int, int], margin: float = BORDER_PX) -> float:
-    """Return the share of the outline's length on the image border or beyond it; arguments as :func:`constraints`."""
-    if np.any(box.corners()[:, 2] <= NEAR):
-        return 1.0
+def border_share(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[int, int], margin: float = BORDER_PX) -> Array:
+    """Return the share of the outline's length on the image border or beyond it; arguments as :func:`constraints`, or a stack."""
     start = outline(box).vertices
-    side = following(start) - start
-    along = to_pixels((start[:, None] + _FROM_VERTEX[:, None] * side[:, None]).reshape(-1, 2))
-    outside = clearance(along, size) < margin
-    length = np.repeat(np.linalg.norm(side, axis=1), _PER_EDGE)
-    return float(length[outside].sum() / max(length.sum(), 1e-12))
+    side = following(start, axis=-2) - start
+    along = start[..., None, :] + _FROM_VERTEX[:, None] * side[..., None, :]  # (k, 32, 2)
+    outside = (clearance(to_pixels(along.reshape(-1, 2)), size) < margin).reshape(along.shape[:-1])
+    length = np.linalg.norm(side, axis=-1)
+    share = np.sum(length * outside.mean(axis=-1), axis=-1) / np.maximum(length.sum(axis=-1), 1e-12)
+    return np.where(np.any(box.corners()[..., 2] <= NEAR, axis=-1), 1.0, share)
 
 
 def edges_shown(box: Box, to_pixels: Callable[[Points2], Points2], size: tuple[int, int], margin: float = BORDER_PX) -> Array:
     """Return the (5, 5) share of the edge between two faces that lies in the image, whether or not the box itself hides it.
 
     The diagonal and pairs of opposite faces, which share no edge, are 0; so is an edge that is behind the camera. Arguments as
-    :func:`constraints`.
+    :func:`constraints`, or a stack.
     """
     one, other, start, end = _EDGES.T
     corners = box.corners()
-    in_front = (corners[start, 2] > NEAR) & (corners[end, 2] > NEAR)
-    image = corners[:, :2] / np.maximum(corners[:, 2:], NEAR)
-    line = image[start, None] + _END_TO_END[:, None] * (image[end] - image[start])[:, None]  # (8, 32, 2)
-    outside = (clearance(to_pixels(line.reshape(-1, 2)), size) < margin).reshape(len(_EDGES), _PER_EDGE)
-    shown = np.zeros((FLOOR, FLOOR))
-    shown[one, other] = shown[other, one] = np.where(in_front, 1 - outside.mean(axis=1), 0.0)
+    in_front = (corners[..., start, 2] > NEAR) & (corners[..., end, 2] > NEAR)
+    image = corners[..., :2] / np.maximum(corners[..., 2:], NEAR)
+    first, last = image[..., start, None, :], image[..., end, None, :]
+    line = first + _END_TO_END[:, None] * (last - first)  # (8, 32, 2)
+    outside = (clearance(to_pixels(line.reshape(-1, 2)), size) < margin).reshape(line.shape[:-1])
+    shown = np.zeros((*in_front.shape[:-1], FLOOR, FLOOR))
+    shown[..., one, other] = shown[..., other, one] = np.where(in_front, 1 - outside.mean(axis=-1), 0.0)
     return shown
 
 
 def clearance(pixels: Points2, size: tuple[int, int]) -> Array:
-    """Return how far (n, 2) pixel coordinates lie inside the border of a (width, height) image, pixels; negative beyond it."""
-    u, v = pixels.T
+    """Return how far (..., 2) pixel coordinates lie inside the border of a (width, height) image, pixels; negative beyond it."""
+    u, v = pixels[..., 0], pixels[..., 1]
     return np.asarray(np.min([u + 0.5, v + 0.5, size[0] - 0.5 - u, size[1] - 0.5 - v], axis=0))

@@ -5,11 +5,16 @@ Image coordinates here are the normalised ones, (x/z, y/z), in which straight ed
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from viewgain.arrays import Array, Indices, Points2
+from viewgain.arrays import Array, Indices, Mask, Points2
 from viewgain.box._box import CORNERS, FLOOR, PLANE_EXTENTS, PLANE_NORMALS, Box
+from viewgain.geometry import cross_matrix
+
+_Number = TypeVar("_Number", np.float64, np.intp)
 
 NEAR = 0.02
 """Corners nearer than this to the image plane through the camera are held at it, metres."""
@@ -17,7 +22,10 @@ NEAR = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The convex outline of a box as the camera sees it."""
+    """The convex outline of a box as the camera sees it, or of each box of a stack.
+
+    Then k is that of the longest of them: the last vertex of the others is repeated, which makes edges of no length.
+    """
 
     vertices: Points2
     """(k, 2) normalised image coordinates of the outline, counter-clockwise for x right and y up (clockwise on screen)."""
@@ -27,17 +35,28 @@ class Outline:
     @cached_property
     def lengths(self) -> Array:
         """(k,) lengths of the edges."""
-        return np.asarray(np.maximum(np.linalg.norm(following(self.vertices) - self.vertices, axis=1), 1e-12))
+        return np.asarray(np.maximum(np.linalg.norm(following(self.vertices, axis=-2) - self.vertices, axis=-1), 1e-12))
 
     @cached_property
     def tangents(self) -> Points2:
         """(k, 2) unit directions of the edges, each from its vertex to the next."""
-        return np.asarray((following(self.vertices) - self.vertices) / self.lengths[:, None])
+        return np.asarray((following(self.vertices, axis=-2) - self.vertices) / self.lengths[..., None])
 
     @cached_property
     def inward(self) -> Points2:
         """(k, 2) unit normals of the edges, pointing inside."""
-        return np.stack([-self.tangents[:, 1], self.tangents[:, 0]], axis=1)
+        return np.stack([-self.tangents[..., 1], self.tangents[..., 0]], axis=-1)
+
+    @property
+    def middle(self) -> Points2:
+        """(2,) mean of the vertices."""
+        own = self.corners != following(self.corners, axis=-1)  # not repeated
+        return np.asarray(np.sum(self.vertices * own[..., None], axis=-2) / own.sum(axis=-1, keepdims=True))
+
+    def outside(self, points: Points2) -> Mask:
+        """Return which of (m, 2) image points lie outside, (m,)."""
+        level = np.sum(self.vertices * self.inward, axis=-1)
+        return np.asarray(np.any(self.inward @ points.mT < level[..., None], axis=-2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,12 +77,13 @@ class EdgeDistances:
 
 @lru_cache(maxsize=16)  # predicting a view asks for it several times; a box is known by its identity
 def outline(box: Box) -> Outline:
-    """Return the convex hull of the box's eight projected corners (Andrew's monotone chain)."""
+    """Return the convex hull of the box's eight projected corners (Andrew's monotone chain); takes a stack."""
     points = _project(box.corners())
-    corners = list(zip(*points.T.tolist(), strict=True))  # plain numbers: of eight points arrays take ten times as long
-    order = sorted(range(len(corners)), key=corners.__getitem__)
-    hull: Indices = np.array([*_half_hull(corners, order), *_half_hull(corners, order[::-1])], dtype=np.intp)
-    return Outline(points[hull], hull)
+    hulls = [_hull([(x, y) for x, y in each]) for each in points.reshape(-1, 8, 2).tolist()]
+    longest = max(map(len, hulls))
+    padded = [[*hull, *[hull[-1]] * (longest - len(hull))] for hull in hulls]
+    corners: Indices = np.array(padded, dtype=np.intp).reshape(*points.shape[:-2], longest)
+    return Outline(_of_corners(points, corners), corners)
 
 
 def edge_distances(shape: Outline, points: Points2) -> EdgeDistances:
@@ -100,55 +120,63 @@ def edge_jacobian(box: Box, shape: Outline, distances: EdgeDistances) -> Array:
 def edge_end_jacobians(box: Box, shape: Outline) -> tuple[Array, Array]:
     """Return the derivatives (k, 9) of distances to each edge with the foot point at its start, and at its end.
 
-    In between they are mixed linearly: an edge moves with the two corners that carry it.
+    In between they are mixed linearly: an edge moves with the two corners that carry it. Takes a stack.
     """
-    corner_steps = _corner_jacobian(box)[shape.corners]
-    inward = shape.inward
-    at_start = -(inward[:, None] @ corner_steps)[:, 0]
-    at_end = -(inward[:, None] @ following(corner_steps))[:, 0]
+    corner_steps = _of_corners(_corner_jacobian(box), shape.corners)
+    inward = shape.inward[..., None, :]
+    at_start = -(inward @ corner_steps)[..., 0, :]
+    at_end = -(inward @ following(corner_steps, axis=-3))[..., 0, :]
     return np.asarray(at_start), np.asarray(at_end)
 
 
 def edge_cosines(box: Box, shape: Outline) -> Array:
     """Return the (k,) cosine of the angle of incidence on the visible face that each edge of the outline bounds, at its middle.
 
-    An edge of the outline parts a face turned to the camera from one turned away; 0 where rounding finds neither.
+    An edge of the outline parts a face turned to the camera from one turned away; 0 where rounding finds neither. Takes a stack.
     """
-    camera = -box.box_to_camera[:3, :3].T @ box.box_to_camera[:3, 3]
-    start, end = CORNERS[shape.corners], CORNERS[following(shape.corners)]
-    middle = (start + end) / 2 * box.extents
-    sight = (camera - middle) / np.linalg.norm(camera - middle, axis=1, keepdims=True)
+    camera = (-box.box_to_camera[..., :3, :3].mT @ box.box_to_camera[..., :3, 3:]).mT  # (1, 3)
+    start, end = CORNERS[shape.corners], CORNERS[following(shape.corners, axis=-1)]
+    sight = camera - (start + end) / 2 * box.extents[..., None, :]
+    sight /= np.linalg.norm(sight, axis=-1, keepdims=True)
     normals, extents = PLANE_NORMALS[:FLOOR].T, PLANE_EXTENTS[:FLOOR]
-    side = extents.sum(axis=1)
-    on_face = (start @ normals == side) & (end @ normals == side) & (camera @ normals > extents @ box.extents)  # [edges, faces]
-    return np.asarray(np.clip(np.where(on_face, sight @ normals, 0.0).max(axis=1), 0.0, 1.0))
+    side, facing = extents.sum(axis=1), camera @ normals > box.extents[..., None, :] @ extents.T
+    on_face = (start @ normals == side) & (end @ normals == side) & facing  # [edges, faces]
+    return np.asarray(np.clip(np.where(on_face, sight @ normals, 0.0).max(axis=-1), 0.0, 1.0))
 
 
-def following(values: Array | Indices) -> Array:
-    """Return for each of (k, ...) values around an outline the next one: ``np.roll``, in a tenth of its time."""
-    return np.concatenate((values[1:], values[:1]))
+def following(values: NDArray[_Number], axis: int) -> NDArray[_Number]:
+    """Return for each of k values around an outline, along ``axis``, the next one: ``np.roll``, in a tenth of its time."""
+    first = values.swapaxes(0, axis)
+    return np.concatenate((first[1:], first[:1])).swapaxes(0, axis)
 
 
 def _project(points: Array) -> Array:
-    return np.asarray(points[:, :2] / np.maximum(points[:, 2:], NEAR))
+    return np.asarray(points[..., :2] / np.maximum(points[..., 2:], NEAR))
+
+
+def _of_corners(values: Array, corners: Indices) -> Array:
+    """Return (k, ...), of (8, ...) values of corners those asked for; of stacks too."""
+    return values[corners] if corners.ndim == 1 else values[np.arange(len(corners))[:, None], corners]
 
 
 def _corner_jacobian(box: Box) -> Array:
     """Return the (8, 2, 9) derivative of the projected corners with respect to a step of the box."""
-    rotation = box.box_to_camera[:3, :3]
-    x, y, z = (CORNERS * box.extents).T
-    nothing = np.zeros(8)
-    turned = np.array([[nothing, z, -y], [-z, nothing, x], [y, -x, nothing]])  # minus the cross product with a corner
-    steps = np.empty((8, 3, 9))
-    steps[:, :, :3] = rotation @ np.moveaxis(turned, 2, 0)
-    steps[:, :, 3:6] = rotation
-    steps[:, :, 6:] = rotation * CORNERS[:, None, :]
-    camera = box.corners()
-    depth = np.maximum(camera[:, 2], NEAR)
-    projection = np.zeros((8, 2, 3))
-    projection[:, 0, 0] = projection[:, 1, 1] = 1 / depth
-    projection[:, :, 2] = -camera[:, :2] / depth[:, None] ** 2
+    rotation, camera = box.box_to_camera[..., None, :3, :3], box.corners()
+    steps = np.empty((*camera.shape, 9))
+    steps[..., :3] = rotation @ cross_matrix(-CORNERS * box.extents[..., None, :])
+    steps[..., 3:6] = rotation
+    steps[..., 6:] = rotation * CORNERS[:, None, :]
+    depth = np.maximum(camera[..., 2], NEAR)
+    projection = np.zeros((*depth.shape, 2, 3))
+    projection[..., 0, 0] = projection[..., 1, 1] = 1 / depth
+    projection[..., 2] = -camera[..., :2] / depth[..., None] ** 2
     return np.asarray(projection @ steps)
+
+
+def _hull(points: list[tuple[float, float]]) -> list[int]:
+    """Return the indices of the hull's points; of plain numbers, for of eight points arrays take ten times as long."""
+    order = sorted(range(len(points)), key=points.__getitem__)
+    return [*_half_hull(points, order), *_half_hull(points, order[::-1])]
 
 
 def _half_hull(points: list[tuple[float, float]], order: list[int]) -> list[int]:

@@ -181,9 +181,9 @@ class Sensor:
         return np.asarray(self.edge_sd_px + self.lost_edge_sd_px * self.loss(cosine))
 
     def systematic_shapes(self, ranges: Array) -> Array:
-        """Return (n, 4): how ranges err together, as functions of the range: scale, offset, and a wave of unknown phase."""
+        """Return (..., 4): how ranges err together, as functions of the range: scale, offset, and a wave of unknown phase."""
         turn = 2 * np.pi / self.wiggle_period * ranges
-        return np.stack([ranges, np.ones(len(ranges)), np.sin(turn), np.cos(turn)], axis=1)
+        return np.stack([ranges, np.ones(ranges.shape), np.sin(turn), np.cos(turn)], axis=-1)
 
     @property
     def systematic_sd(self) -> Array:

@@ -7,17 +7,18 @@ from viewgain.errors import ConfigError
 
 
 def pose(rotation: Rotation, translation: Vector3) -> Pose:
-    """Return the rigid motion x -> rotation x + translation as a (4, 4) matrix."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation
-    matrix[:3, 3] = translation
+    """Return the rigid motion x -> rotation x + translation as a (4, 4) matrix; of stacks (..., 3, 3), (..., 3) a stack."""
+    matrix = np.zeros((*rotation.shape[:-2], 4, 4))
+    matrix[..., :3, :3] = rotation
+    matrix[..., :3, 3] = translation
+    matrix[..., 3, 3] = 1.0
     return matrix
 
 
 def inverse(a_to_b: Pose) -> Pose:
-    """Return ``b_to_a``; exact for rigid motions (transpose, no linear solve)."""
-    rotation = a_to_b[:3, :3].T
-    return pose(rotation, -rotation @ a_to_b[:3, 3])
+    """Return ``b_to_a``; exact for rigid motions (transpose, no linear solve). Of a stack (..., 4, 4) a stack."""
+    rotation = a_to_b[..., :3, :3].mT
+    return pose(rotation, (-rotation @ a_to_b[..., :3, 3:])[..., 0])
 
 
 def transform(a_to_b: Pose, points: Points) -> Points:
@@ -35,9 +36,12 @@ def rotation_from_rotvec(rotvec: Vector3) -> Rotation:
 
 
 def cross_matrix(v: Vector3) -> Rotation:
-    """Return [v]x, the matrix with ``cross_matrix(v) @ w == cross(v, w)``."""
-    x, y, z = v
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    """Return [v]x, the matrix with ``cross_matrix(v) @ w == cross(v, w)``; of a stack (..., 3) a stack."""
+    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    matrix = np.zeros((*v.shape, 3))
+    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
+    matrix[..., 1, 0], matrix[..., 2, 0], matrix[..., 2, 1] = z, -y, x
+    return matrix
 
 
 def nearest_rotation(matrix: Rotation) -> Rotation:

@@ -90,6 +90,8 @@ class Fit:
 def marginal(information: Array, systematic: Array, pose_precision: Array | None) -> tuple[Array, Array]:
     """Return a view's (9, 9) information and (9, k) systematic gradient with its pose error integrated out (Schur complement).
 
+    Takes stacks too.
+
     Args:
         information: (9, 9) information of the view if its pose were exact.
         systematic: (9, k) systematic gradients if its pose were exact.
@@ -97,8 +99,8 @@ def marginal(information: Array, systematic: Array, pose_precision: Array | None
     """
     if pose_precision is None:
         return information, systematic
-    absorbed = information[:, :6] @ np.linalg.inv(information[:6, :6] + pose_precision)
-    return information - absorbed @ information[:6], systematic - absorbed @ systematic[:6]
+    absorbed = information[..., :6] @ np.linalg.inv(information[..., :6, :6] + pose_precision)
+    return information - absorbed @ information[..., :6, :], systematic - absorbed @ systematic[..., :6, :]
 
 
 def refine(

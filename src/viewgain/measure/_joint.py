@@ -39,7 +39,10 @@ def own_precision(camera_to_box: Pose, pose_sigma: tuple[float, float]) -> Array
 
 
 def pose_precision(camera_to_box: Pose, reference_to_box: Pose, pose_sigma: tuple[float, float]) -> Array:
-    """Return the (6, 6) precision of the box's apparent motion that errors of two camera poses cause, in the box's frame."""
+    """Return the (6, 6) precision of the box's apparent motion that errors of two camera poses cause, in the box's frame.
+
+    Takes stacks of poses too.
+    """
     total = _own_covariance(camera_to_box, pose_sigma) + _own_covariance(reference_to_box, pose_sigma)
     return np.asarray(np.linalg.inv(total), dtype=float)
 
@@ -48,7 +51,7 @@ def _own_covariance(camera_to_box: Pose, pose_sigma: tuple[float, float]) -> Arr
     metres, radians = pose_sigma
     error = np.diag([max(radians, 1e-6) ** 2] * 3 + [max(metres, 1e-6) ** 2] * 3)
     moved = adjoint(camera_to_box)
-    return np.asarray(moved @ error @ moved.T, dtype=float)
+    return np.asarray(moved @ error @ moved.mT, dtype=float)
 
 
 def joint_fit(starts: list[Box], views: tuple[View, ...]) -> Fit:

@@ -153,7 +153,7 @@ def assess(box: Box, evaluation: Evaluation, pixels: Pixels, image: RangeImage, 
         overlap=both / max(covered + max(float(own.sum()) - both, 0.0), 1.0),
         faces=faces,
         returns=int(returns),
-        border=border_share(box, pixels.plane.to_pixels, pixels.plane.size),
+        border=float(border_share(box, pixels.plane.to_pixels, pixels.plane.size)),
         evidence=Evidence(
             relief=relief(evaluation, pixels, on_face, sigma),
             holes=behind,

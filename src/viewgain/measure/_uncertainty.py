@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from viewgain.arrays import Array
+from viewgain.arrays import Array, Indices
 from viewgain.box import PARAMETERS
 from viewgain.camera import Sensor
 from viewgain.measure._fit import SHARP, Fit, View, marginal
@@ -51,7 +51,10 @@ class Interval:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Knowledge:
-    """What scans say about a box, in the tangent space of its estimate: it adds up over views."""
+    """What scans say about a box, in the tangent space of its estimate: it adds up over views.
+
+    Or what each of a stack of views says, (..., 9, 9) and (..., 9, 5); sum and covariance are then of each.
+    """
 
     information: Array
     """(9, 9) information, as if noise were independent from pixel to pixel."""
@@ -66,6 +69,10 @@ class Knowledge:
             self.information + other.information, self.systematic + other.systematic, max(self.inflation, other.inflation)
         )
 
+    def take(self, chosen: Indices | int) -> "Knowledge":
+        """Return what some of a stack say, or one of them."""
+        return Knowledge(self.information[chosen], self.systematic[chosen], self.inflation)
+
     def covariance(self, sensor: Sensor) -> Array:
         """Return the (9, 9) covariance of the box: noise, inflated, plus systematic error.
 
@@ -75,7 +82,7 @@ class Knowledge:
         """
         spread = np.linalg.inv(self.information + LOOSE_PRIOR)
         response = spread @ self.systematic * (*sensor.systematic_sd, COMMON_EDGES)
-        return np.asarray(self.inflation * sensor.spread**2 * spread + response @ response.T)
+        return np.asarray(self.inflation * sensor.spread**2 * spread + response @ response.mT)
 
 
 def knowledge(fit: Fit) -> Knowledge:
@@ -104,7 +111,8 @@ def common_shift(edge_pull: Array, edge_precision: Array, edge_sigma: Array) -> 
 
     The arguments are those of :func:`without_edge_bias`.
     """
-    return np.asarray((edge_sigma / (1 + edge_precision * edge_sigma**2)) @ edge_pull)
+    share = edge_sigma / (1 + edge_precision * edge_sigma**2)
+    return np.asarray((share[..., None, :] @ edge_pull)[..., 0, :])
 
 
 def correlation(fit: Fit) -> float:
@@ -117,7 +125,7 @@ def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Arra
     """Return (9, 9) information after each outline edge's own offset, N(0, edge_sigma), is integrated out (Schur complement).
 
     Mixed pixels, and the filters of cameras against them, shift an edge as a whole; without this a long edge would claim to
-    be known to a hundredth of a pixel.
+    be known to a hundredth of a pixel. Takes stacks.
 
     Args:
         information: (9, 9) information if every edge were shown where it is.
@@ -126,7 +134,7 @@ def without_edge_bias(information: Array, edge_pull: Array, edge_precision: Arra
         edge_sigma: (k,) standard deviation of each edge's shift, pixels.
     """
     share = 1 / (edge_precision + 1 / np.maximum(edge_sigma, 1e-6) ** 2)
-    return np.asarray(information - (edge_pull.T * share) @ edge_pull)
+    return np.asarray(information - (edge_pull.mT * share[..., None, :]) @ edge_pull)
 
 
 def correlation_factor(evaluation: Evaluation, pixels: Pixels) -> float:

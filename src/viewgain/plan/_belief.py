@@ -65,14 +65,11 @@ def outlook(belief: Belief, tolerance: float) -> Outlook:
     Several possible boxes add their own spread: the chance to be within the tolerance is then that of the most favourable
     answer, the fraction of boxes whose volume lies within the tolerance of the median's.
     """
-    each = [relative_sigma(belief.knowledge, box, belief.sensor) for box in belief.boxes]
-    volumes = np.array([box.volume for box in belief.boxes])
-    middle = float(np.median(volumes))
-    sigma = float(np.sqrt(np.mean((np.array(each) * volumes) ** 2) + np.var(volumes)))
-    within = np.mean([
-        normal_within(volume / middle - 1, max(spread, 1e-6), tolerance) for volume, spread in zip(volumes, each, strict=True)
-    ])  # fmt: skip
-    return Outlook(sigma, float(within))
+    boxes = Box.stack(belief.boxes)
+    spread, volumes = relative_sigma(belief.knowledge, boxes, belief.sensor), boxes.extents.prod(axis=1)
+    sigma = float(np.sqrt(np.mean((spread * volumes) ** 2) + np.var(volumes)))
+    within = normal_within(volumes / np.median(volumes) - 1, np.maximum(spread, 1e-6), tolerance)
+    return Outlook(sigma, float(np.mean(within)))
 
 
 def certainty(belief: Belief, *, tolerance: float, confidence: float) -> Certainty:
@@ -81,15 +78,24 @@ def certainty(belief: Belief, *, tolerance: float, confidence: float) -> Certain
     return Certainty(chance, belief.bounded and chance > confidence)
 
 
-def relative_sigma(knowledge: Knowledge, box: Box, sensor: Sensor) -> float:
-    """Return the standard deviation of the volume over the volume: sqrt(g' C g) with g = 1 / extents."""
-    gradient: Array = np.concatenate([np.zeros(6), 1 / box.extents])
-    return float(np.sqrt(gradient @ knowledge.covariance(sensor) @ gradient))
+def relative_sigma(knowledge: Knowledge, box: Box, sensor: Sensor) -> Array:
+    """Return the standard deviation of the volume over the volume: sqrt(g' C g) with g = 1 / extents.
+
+    Of a stack of n boxes (n,), with the same knowledge of all or each with its own.
+    """
+    gradient = 1 / box.extents[..., None]
+    variance = gradient.mT @ knowledge.covariance(sensor)[..., 6:, 6:] @ gradient
+    return np.sqrt(variance[..., 0, 0])
 
 
-def normal_within(mean: float, sigma: float, tolerance: float) -> float:
+def extent_sigmas(knowledge: Knowledge, sensor: Sensor) -> Array:
+    """Return the (3,) standard deviations of the extents, metres; of a stack too."""
+    return np.sqrt(np.diagonal(knowledge.covariance(sensor), axis1=-2, axis2=-1)[..., 6:])
+
+
+def normal_within(mean: Array | float, sigma: Array | float, tolerance: float) -> Array:
     """Return P(|x| < tolerance) for x ~ N(mean, sigma)."""
-    return float(ndtr((tolerance - mean) / sigma) - ndtr((-tolerance - mean) / sigma))
+    return np.asarray(ndtr((tolerance - mean) / sigma) - ndtr((-tolerance - mean) / sigma))
 
 
 def floor_pose(belief: Belief) -> Pose:

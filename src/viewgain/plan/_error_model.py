@@ -28,15 +28,15 @@ WITHIN = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What may come of measuring a box: no volume, or one that is off."""
+    """What may come of measuring a box: no volume, or one that is off. Arrays of the same shape for many boxes or views."""
 
-    missed: float
+    missed: Array | float
     """Chance that there is no volume, 0 to 1."""
-    off: float
+    off: Array | float
     """Expected |relative error| of the volume where there is one, 0 to 1."""
 
     @property
-    def expected(self) -> float:
+    def expected(self) -> Array | float:
         """Expected |relative volume error|, 0 to 1, where no volume counts as 1."""
         return self.missed + (1 - self.missed) * self.off
 
@@ -52,18 +52,18 @@ class ErrorModel:
     layers: tuple[tuple[Array, Array], ...]
     """Weights (M, outputs, inputs) and biases (M, outputs)."""
 
-    def corrected(self, physical: Outcome, circumstances: Vector) -> Outcome:
-        """Return what to expect, by a physical guess and (F - 2,) circumstances."""
-        odds, size = transformed(physical)
-        numbers = np.append(circumstances, (odds, size))
+    def corrected(self, physical: Outcome, circumstances: Array) -> Outcome:
+        """Return what to expect, by a physical guess and (F - 2,) circumstances; by many of each, (..., F - 2), of many."""
+        guess = transformed(physical)
+        numbers = np.concatenate([circumstances, guess], axis=-1)
         scaled = np.clip((numbers - self.mean) / self.scale, -WITHIN, WITHIN)
-        values = np.tile(scaled, (len(self.layers[0][1]), 1))
+        values = scaled.reshape(-1, len(self.mean))  # [guesses, inputs]; of each member once it has passed a layer
         *hidden, (weights, bias) = self.layers
         for inner, shift in hidden:
-            values = np.tanh(np.einsum("moi,mi->mo", inner, values) + shift)
-        moved = (np.einsum("moi,mi->mo", weights, values) + bias).mean(axis=0)
-        shifts = MOST_SHIFT * np.tanh(moved / MOST_SHIFT)
-        return Outcome(float(1 / (1 + np.exp(-odds - shifts[0]))), float(min(np.exp(size + shifts[1]), 1.0)))
+            values = np.tanh(values @ inner.mT + shift[:, None])
+        moved = (values @ weights.mT + bias[:, None]).mean(axis=0).reshape(guess.shape)
+        odds, size = np.moveaxis(guess + MOST_SHIFT * np.tanh(moved / MOST_SHIFT), -1, 0)
+        return Outcome(1 / (1 + np.exp(-odds)), np.minimum(np.exp(size), 1.0))
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as JSON has it; :func:`error_model_from` reads it."""
@@ -71,10 +71,10 @@ class ErrorModel:
         return {"mean": self.mean.tolist(), "scale": self.scale.tolist(), "layers": layers}
 
 
-def transformed(guess: Outcome) -> tuple[float, float]:
-    """Return what is shifted: the log-odds of a guess's chance of no volume, and the logarithm of how far off one is."""
-    chance = min(max(guess.missed, LEAST_CHANCE), 1 - LEAST_CHANCE)
-    return float(np.log(chance / (1 - chance))), float(np.log(max(guess.off, LEAST_CHANCE)))
+def transformed(guess: Outcome) -> Array:
+    """Return (2,) what is shifted: the log-odds of a guess's chance of no volume, and the logarithm of how far off one is."""
+    chance = np.clip(guess.missed, LEAST_CHANCE, 1 - LEAST_CHANCE)
+    return np.stack([np.log(chance / (1 - chance)), np.log(np.maximum(guess.off, LEAST_CHANCE))], axis=-1)
 
 
 def error_model_from(content: dict[str, Any]) -> ErrorModel:

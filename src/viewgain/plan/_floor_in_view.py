@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viewgain.arrays import Indices
+from viewgain.arrays import Array, Indices
 from viewgain.box import Box, box_hits, entry_mask, floor_hits
 from viewgain.camera import Sensor
 
@@ -16,18 +16,22 @@ _LEAST_COSINE = 0.1
 
 @dataclass(frozen=True, slots=True)
 class FloorInView:
-    """What an image shows of the floor."""
+    """What an image shows of the floor; arrays (n,) of a stack."""
 
-    returns: float
+    returns: Array | float
     """Expected number of pixels on it."""
-    share: float
+    share: Array | float
     """Its part of the area seen, square metres of it over those of box and floor, 0 to 1: what measuring finds a floor by."""
+
+    def take(self, chosen: Indices | int) -> "FloorInView":
+        """Return some of a stack, or one of it."""
+        return FloorInView(np.asarray(self.returns)[chosen], np.asarray(self.share)[chosen])
 
 
 def floor_in_view(box: Box, sensor: Sensor) -> FloorInView:
     """Return what ``sensor`` sees of the floor that ``box``, in the camera's frame, stands on; nothing else is in view.
 
-    Nothing where all of it is out of range, hidden by the box, or above the horizon.
+    Nothing where all of it is out of range, hidden by the box, or above the horizon. Takes a stack.
     """
     directions = sensor.intrinsics.directions()
     rays = directions[np.ix_(_places(directions.shape[0], ROWS), _places(directions.shape[1], COLUMNS))].reshape(-1, 3)
@@ -37,8 +41,9 @@ def floor_in_view(box: Box, sensor: Sensor) -> FloorInView:
     returned = (ranges > sensor.range_min) & (ranges < sensor.range_max)
     kept = returned * (1 - sensor.loss(cosine))
     area = kept * np.where(returned, ranges, 0.0) ** 2 / np.maximum(cosine, _LEAST_COSINE)
-    seen, pixels = float(area.sum()), directions.size / rays.size
-    return FloorInView(pixels * float(kept[~on_box].sum()), float(area[~on_box].sum()) / seen if seen > 0 else 0.0)
+    pixels = directions.size / rays.size
+    share = np.sum(area * ~on_box, axis=-1) / np.maximum(area.sum(axis=-1), np.finfo(float).tiny)
+    return FloorInView(pixels * np.sum(kept * ~on_box, axis=-1), share)
 
 
 def _places(pixels: int, count: int) -> Indices:

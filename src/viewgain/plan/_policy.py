@@ -5,11 +5,9 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from viewgain.arrays import Array, Mask, Poses, Vector
-from viewgain.geometry import inverse
-from viewgain.measure import Knowledge, marginal, pose_precision
+from viewgain.arrays import Mask, Poses, Vector
 from viewgain.plan._belief import Belief, Outlook, normal_within, outlook, relative_sigma
-from viewgain.plan._predict import Prediction, predict
+from viewgain.plan._predict import Prediction, on_arrival, paired, predictions
 from viewgain.plan._views import Seen
 
 
@@ -86,22 +84,19 @@ class CovariancePolicy:
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return the expected outlook after each candidate."""
-        now = outlook(belief, tolerance)
-        return tuple(self._after(belief, candidate, now, tolerance) for candidate in candidates)
-
-    def _after(self, belief: Belief, candidate: Array, now: Outlook, tolerance: float) -> Assessment:
-        predictions = [predict(box, candidate, belief.sensor, belief.noise) for box in belief.boxes]
-        sigmas, chances = [], []
-        for box, prediction in zip(belief.boxes, predictions, strict=True):
-            to_box = inverse(box.box_to_camera)
-            precision = pose_precision(to_box @ candidate, to_box, self.pose_sigma)
-            added = Knowledge(*marginal(prediction.knowledge.information, prediction.knowledge.systematic, precision))
-            relative = relative_sigma(belief.knowledge.plus(added), box, belief.sensor)
-            sigmas.append(relative * box.volume)
-            chances.append(normal_within(0.0, relative, tolerance))
-        after = Outlook(float(np.sqrt(np.mean(np.square(sigmas)))), float(np.mean(chances)))
-        middle = predictions[len(predictions) // 2]
-        return Assessment(1 - after.volume_sigma / max(now.volume_sigma, 1e-12), after, middle)
+        now = max(outlook(belief, tolerance).volume_sigma, 1e-12)
+        here, seen = paired(belief.boxes, candidates)
+        predicted = predictions(seen, belief.sensor, belief.noise)
+        known = belief.knowledge.plus(on_arrival(predicted.knowledge, here, seen, self.pose_sigma))
+        relative = relative_sigma(known, here, belief.sensor)
+        shape = len(belief.boxes), len(candidates)
+        sigmas = np.sqrt(np.mean(np.reshape(relative * here.extents.prod(axis=1), shape) ** 2, axis=0))
+        chances = normal_within(0.0, relative, tolerance).reshape(shape).mean(axis=0)
+        middle = len(belief.boxes) // 2 * len(candidates)
+        return tuple(
+            Assessment(1 - sigma / now, Outlook(sigma, chance), predicted[middle + view])
+            for view, (sigma, chance) in enumerate(zip(sigmas.tolist(), chances.tolist(), strict=True))
+        )
 
 
 @dataclass(frozen=True, slots=True)

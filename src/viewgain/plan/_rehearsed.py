@@ -62,8 +62,7 @@ class RehearsedPolicy:
         del tolerance
         if self.fused and self.estimator is not None:
             raise ConfigError("rehearsed: got fused and an estimator, which measures scans alone; give one of the two")
-        formula = ExpectedErrorPolicy(self.fused, self.pose_sigma)
-        by_box = np.array([formula.errors(belief, box, candidates) for box in belief.boxes])
+        by_box = ExpectedErrorPolicy(self.fused, self.pose_sigma).errors(belief, candidates)
         standing = Standing.before(by_box.mean(axis=0))
         if not belief.guessed:
             standing = self._rehearsed(standing, by_box, belief, candidates)
