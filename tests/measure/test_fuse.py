@@ -195,6 +195,17 @@ def test_a_box_that_only_one_scan_shows_is_kept_as_it_was_measured() -> None:
     np.testing.assert_allclose(seen_as.corners(), alone.box.corners(), atol=1e-9)
 
 
+def test_a_view_shows_a_box_the_same_in_whatever_frame_it_is_told() -> None:
+    rng, box = np.random.default_rng(7), standing_box(np.array([0.3, 0.2, 0.25]))
+    found = measure(scan_of(box, view=corner_view(box), rng=rng), camera=CAMERA).boxes[0]
+    for _ in range(3):  # the first time from the reference itself, then from elsewhere
+        moved = found.in_frame(pose(rotation_from_rotvec(rng.normal(size=3)), rng.normal(size=3)))
+        assert not np.allclose(moved.box.corners(), found.box.corners(), atol=0.1)
+        seen, before = (each.views[0].sees(each.box, np.zeros(6)).corners() for each in (moved, found))
+        np.testing.assert_allclose(seen, before, atol=1e-9)
+        found = moved
+
+
 def test_less_sure_poses_give_wider_intervals() -> None:
     rng = np.random.default_rng(7)
     singles = [measure(scan, camera=CAMERA) for scan in two_views(random_box(rng, WELL_SEEN), rng, sure=True)]

@@ -117,6 +117,20 @@ def test_scores_are_the_mean_of_the_fused_expectation_and_fused_rehearsals(monke
     )
 
 
+def test_cameras_arrive_as_exactly_as_poses_are_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    arrived: list[np.ndarray] = []
+
+    def noting(trial: FusedTrial, index: int, camera_to_current: np.ndarray) -> float:
+        arrived.append(trial.trial.arrived[index, :3, 3])
+        return 0.05
+
+    monkeypatch.setattr(FusedTrial, "outcome", noting)
+    for metres in (0.003, 0.05):
+        arrived.clear()
+        RehearsedPolicy(fused=True, pose_sigma=(metres, 0.001)).assess(belief(), THERE, 0.05)
+        assert np.std(arrived) == pytest.approx(metres, rel=0.2)
+
+
 def test_nobody_fuses_but_the_default_estimator() -> None:
     with pytest.raises(ConfigError, match="which measures scans alone"):
         RehearsedPolicy(volume_estimator("default", CAMERA), fused=True).assess(belief(), THERE, 0.05)
