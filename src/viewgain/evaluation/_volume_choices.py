@@ -47,13 +47,16 @@ DECIDING: Mapping[str, Maker] = {
 """Policies by name, but for networks: ``expected`` goes by the expected error, which is what is scored, ``expected_around`` too,
 and is told that the rig was put up around the box; ``covariance`` goes by the certainty after fusing, ``farthest`` by the way
 from the present position."""
-VOLUME_DECIDING: Mapping[str, Callable[[VolumeCase], ViewPolicy]] = {
-    **DECIDING,
+VolumeMaker = Callable[[VolumeCase], ViewPolicy]
+"""The same on a case of a box."""
+REHEARSING: Mapping[str, VolumeMaker] = {
     "rehearsed": lambda case: _rehearsed(case),
     "rehearsed_around": lambda case: _rehearsed(case, around_of(case.settings)),
 }
-"""The same where a position is judged by its scans of a box: ``rehearsed`` goes by the expected error and by scans of the box
-believed in, simulated and measured as those that judge it are; ``rehearsed_around`` is told as much as ``expected_around``."""
+"""Policies that take seconds: ``rehearsed`` goes by the expected error and by scans of the box believed in, simulated and
+measured as those that judge it are; ``rehearsed_around`` is told as much as ``expected_around``."""
+VOLUME_DECIDING: Mapping[str, VolumeMaker] = {**DECIDING, **REHEARSING}
+"""Policies by name where a position is judged by its scans of a box."""
 FROM_FILE = ("network", "combined", "combined_around")
 """Policies that are named with a file, ``network:FILE.onnx``: by its scores alone, or with a say for ``expected``
 or ``expected_around``."""

@@ -23,8 +23,6 @@ from viewgain.evaluation._volume_case import VolumeSettings
 
 DECISIONS = "decisions"
 """Where a folder of results holds one file per box."""
-_LONG = ("rehearsed", "rehearsed_around")
-"""Policies that take seconds."""
 _KINDS = (".py", ".json", ".toml")
 """Files of the package that a decision may depend on; networks do not rehearse."""
 
@@ -37,11 +35,6 @@ class Decided:
     """Where to go."""
     milliseconds: float
     """CPU time, measuring included, when it was made."""
-
-
-def takes_long(name: str) -> bool:
-    """Return whether decisions of a policy are kept."""
-    return name in _LONG
 
 
 def decisions_file(folder: Path, number: int) -> Path:

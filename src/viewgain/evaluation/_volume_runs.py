@@ -12,6 +12,7 @@ from viewgain.evaluation._claim import claim
 from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, volume_case
 from viewgain.evaluation._volume_choices import (
     INFORMED,
+    REHEARSING,
     VOLUME_DECIDING,
     around_of,
     is_from_file,
@@ -27,7 +28,6 @@ from viewgain.evaluation._volume_decided import (
     decisions_file,
     fingerprint_of,
     kept_decisions,
-    takes_long,
 )
 from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
@@ -114,7 +114,7 @@ def run_boxes(
         around_of(settings)  # and so is a wrong rig
     if folder is not None:
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
-    if folder is not None and any(map(takes_long, deciding)):
+    if folder is not None and any(name in REHEARSING for name in deciding):
         make_folder(folder / DECISIONS)
     fingerprint = fingerprint_of(settings)  # before the first box, for the program may be changed while this one runs
     tasks = [
@@ -159,7 +159,7 @@ def _worked_out(task: _Task) -> _Done:
         if opinions is None
         else {name: decision_numbers(opinions, each.choice.position) for name, each in decided.items()},
     )
-    news = {name: each for name, each in decided.items() if takes_long(name) and name not in task.decided}
+    news = {name: each for name, each in decided.items() if name in REHEARSING and name not in task.decided}
     return _Done(run, None if truth is task.known else truth_text(truth, case), news)
 
 
