@@ -12,6 +12,7 @@ from viewgain.cli import main
 from viewgain.measure import measure
 from viewgain.network import NetworkSettings
 from viewgain.plan import ExpectedErrorPolicy, next_view
+from viewgain.plan._belief import Certainty
 from viewgain.scans import read_scan
 
 
@@ -67,6 +68,21 @@ def test_a_network_ranks_too_and_one_policy_agrees_with_nobody(
     assert only["policies"][0]["candidates"][0]["predicted_volume_sigma_m3"] > 0
 
 
+def test_each_policy_of_a_network_is_the_one_of_its_name(
+    scans: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a measured box: the formula, its rehearsals, and the network are three opinions."""
+    monkeypatch.setattr("viewgain.plan._rehearsed.MOST", 4)
+    monkeypatch.setattr("viewgain.plan._next.certainty", lambda belief, **asked: Certainty(0.0, enough=False))
+    named = [f"{kind}:pose_scores-irregular-camera" for kind in ("network", "combined", "rehearsed")]
+    (only,) = ranked(capsys, scans / "one.ply", "--policies", "expected", *named)["scans"]
+    scores = {row["name"]: [each["score"] for each in row["candidates"]] for row in only["policies"]}
+    network, combined, rehearsed = (scores[name] for name in named)
+    assert combined == scores["expected"]  # every dimension is bounded
+    assert rehearsed != combined
+    assert network not in (rehearsed, combined)
+
+
 def test_a_bare_floor_has_nothing_to_rank(scans: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["evaluate", "real", str(scans / "floor_unposed.ply")]) == 3
     assert "none: nothing_on_floor" in capsys.readouterr().out
@@ -79,6 +95,8 @@ def test_a_bare_floor_has_nothing_to_rank(scans: Path, capsys: pytest.CaptureFix
         (["EMPTY"], "holds no file that can be read as a scan"),
         (["nowhere.ply", "--policies", "oracle"], "'oracle' is not known"),
         (["nowhere.ply", "--policies", "network:none.onnx"], "none.onnx"),
+        (["nowhere.ply", "--policies", "rehearsed:none.onnx"], "none.onnx"),
+        (["nowhere.ply", "--policies", "combined_around:some.onnx"], "expected, network:FILE, combined:FILE, rehearsed:FILE"),
         (["nowhere.ply", "--policies", "expected", "expected"], "each once"),
         (["nowhere.ply", "--rig", "carousel"], "'carousel' is not known"),
     ],

@@ -281,7 +281,23 @@ def test_rehearsals_say_how_sure_each_score_is(
     assert main(["next", *arguments, "rehearsed"]) == 0
     assert "note: trying views out in simulation first" in capsys.readouterr().err
     assert main(["next", *arguments, "rehearsed", "--objective", "coverage"]) == 2
-    assert "which knows boxes only" in capsys.readouterr().err
+    assert "--policy rehearsed: got --objective coverage, and it knows boxes" in capsys.readouterr().err
+
+
+def test_where_nothing_can_be_rehearsed_the_network_decides_the_one_that_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = "simulate --scene object --category mug --size 0.4 --rig ring2 --without multipath --formats npz --out"
+    assert main([*command.split(), str(tmp_path)]) == 0
+    capsys.readouterr()
+    scan = str(tmp_path / "view00_000.npz")
+    named = ["--model", "pose_scores-irregular4-camera"]
+    for more in ([], named):
+        rehearsed, network = (plan_of([scan, "--policy", policy, *more], capsys) for policy in ("rehearsed", "network"))
+        assert rehearsed["policy"] == "rehearsed"
+        assert {**rehearsed, "policy": "network"} == network
+    by_name, by_default = (plan_of([scan, "--policy", "rehearsed", *more], capsys) for more in (named, []))
+    assert [each["score"] for each in by_name["candidates"]] != [each["score"] for each in by_default["candidates"]]
 
 
 def test_rehearsals_are_of_all_scans_together(

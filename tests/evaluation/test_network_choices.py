@@ -11,7 +11,8 @@ from tests.oracles.networks_on_disk import exported, small_settings
 from viewgain.errors import ConfigError, ModelError
 from viewgain.evaluation import VolumeSettings, choice, run_boxes, volume_case
 from viewgain.evaluation._choice import seen_of
-from viewgain.evaluation._volume_choices import StationNetworkPolicy, policy_of
+from viewgain.evaluation._network_choices import StationNetworkPolicy
+from viewgain.evaluation._volume_choices import policy_of
 from viewgain.inference import Scorer
 from viewgain.plan import CombinedPolicy, ExpectedErrorPolicy
 

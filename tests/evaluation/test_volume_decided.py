@@ -1,16 +1,19 @@
 """Decisions that take long are kept: for this very program, merged with those of other policies, and never half read."""
 
+import hashlib
+import shutil
 from dataclasses import replace
 from pathlib import Path
-from shutil import copytree
 
 import pytest
 
+from tests.oracles.networks_on_disk import exported
 from viewgain.errors import DataError
 from viewgain.evaluation._choice import Choice
 from viewgain.evaluation._volume_case import VolumeSettings
 from viewgain.evaluation._volume_decided import Decided, decided_text, decisions_file, fingerprint_of, kept_decisions
 from viewgain.evaluation._volume_runs import VolumeRun, run_boxes
+from viewgain.network import NetworkSettings
 
 SETTINGS = VolumeSettings(seed=5, captures=2, estimator="lines_published", side=(0.7, 0.9))
 """Of its first box nothing can be measured, so that whoever rehearses is quickly done."""
@@ -28,7 +31,7 @@ def errors(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def folder(errors: Path, tmp_path: Path) -> Path:
-    return copytree(errors, tmp_path / "results")
+    return shutil.copytree(errors, tmp_path / "results")
 
 
 def write(file: Path, text: str) -> None:
@@ -92,6 +95,29 @@ def test_nobody_rehearses_twice(folder: Path) -> None:
     untouched = file.stat().st_mtime_ns
     run("rehearsed_around", "rehearsed")
     assert file.stat().st_mtime_ns == untouched
+
+
+def test_with_a_network_a_decision_is_kept_for_what_is_in_its_file(folder: Path, tmp_path: Path) -> None:
+    """Not for the file's name: another network under the same name decides for itself, the same one under another does not."""
+    settings = NetworkSettings(kind="pose_scores", views=5, points=64, neighbours=8, width=8, centres=(16, 8))
+    files = {name: tmp_path / f"{name}.onnx" for name in ("one", "two")}
+    for seed, each in enumerate(files.values()):
+        exported(each, settings, seed=seed, rig="irregular", normalisation="metres", frame="camera")
+
+    def run(name: str, **files: Path) -> VolumeRun:
+        return run_boxes(SETTINGS, 1, [f"{name}:{file}" for file in files.values()], folder=folder)[0]
+
+    first = run("rehearsed", **files)
+    file = decisions_file(folder, 0)
+    keys = [f"rehearsed:{hashlib.sha256(each.read_bytes()).hexdigest()}" for each in files.values()]
+    assert list(kept(file)) == keys
+    assert [each.milliseconds for each in kept(file).values()] == list(first.milliseconds.values())
+    copy = Path(shutil.copy(files["one"], tmp_path / "copy.onnx"))
+    assert run("rehearsed", copy=copy).milliseconds == {f"rehearsed:{copy}": first.milliseconds[f"rehearsed:{files['one']}"]}
+    copy.write_bytes(files["two"].read_bytes())
+    assert run("rehearsed", copy=copy).milliseconds == {f"rehearsed:{copy}": first.milliseconds[f"rehearsed:{files['two']}"]}
+    run("rehearsed_around", copy=copy)
+    assert list(kept(file)) == [*keys, f"rehearsed_around:{keys[1].partition(':')[2]}"]
 
 
 def test_quick_decisions_are_not_kept(errors: Path) -> None:

@@ -18,10 +18,20 @@ from viewgain.evaluation import (
     volume_table,
 )
 from viewgain.evaluation._choice import decisions
+from viewgain.evaluation._loop_policies import check_loop_policies
+from viewgain.evaluation._shape_choices import check_shape_policies
 from viewgain.evaluation._volume_case import _ASIDE, _CASE
 from viewgain.evaluation._volume_choices import policy_of, volume_policy
 from viewgain.evaluation._volume_errors import _OTHERS
-from viewgain.plan import AROUND, FusedTrial, OnBelief, RehearsedPolicy, looked_at
+from viewgain.plan import (
+    AROUND,
+    CombinedPolicy,
+    FusedTrial,
+    OnBelief,
+    RehearsedPolicy,
+    VolumeNetworkPolicy,
+    looked_at,
+)
 from viewgain.rigs import poses
 
 SETTINGS = VolumeSettings(captures=6)
@@ -149,6 +159,21 @@ def test_who_rehearses_is_told_the_question_and_nothing_of_the_answer() -> None:
         assert first != second
 
 
+@pytest.mark.parametrize("name", ["rehearsed", "rehearsed_around"])
+def test_who_rehearses_beside_a_network_is_told_as_much_as_without_one(name: str) -> None:
+    case = volume_case(SETTINGS, 1)
+    alone, both = volume_policy(name, case), volume_policy(f"{name}:pose_scores-irregular4-camera", case)
+    assert isinstance(both, CombinedPolicy)
+    assert isinstance(alone, OnBelief)
+    assert both.model.around == alone.around
+    assert (both.model.sensor, both.model.policy.name) == (alone.sensor, "rehearsed")
+    assert isinstance(both.model.policy, RehearsedPolicy)
+    assert both.model.policy.arrivals == alone.policy.arrivals
+    assert both.model.policy.reachable is alone.policy.reachable
+    assert (both.model.policy.seed, both.model.policy.fused) == (alone.policy.seed, alone.policy.fused)
+    assert isinstance(both.network, VolumeNetworkPolicy)
+
+
 def test_a_second_view_is_rehearsed_with_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
     known: list[int] = []
     outcome = FusedTrial.outcome
@@ -210,6 +235,11 @@ def test_settings_that_make_no_sense_are_refused(change: dict[str, object], word
 
 def test_unknown_policies_are_refused() -> None:
     check_volume_policies(("expected", "rehearsed", "rehearsed_around", "network:some.onnx", "combined_around:some.onnx"))
+    check_volume_policies(("rehearsed:some.onnx", "rehearsed_around:some.onnx", "rehearsed:other.onnx"))
+    for check in (check_shape_policies, check_loop_policies):  # there a position is judged by no scans of a box
+        for name in ("rehearsed", "rehearsed:some.onnx", "rehearsed_around:some.onnx"):
+            with pytest.raises(ConfigError, match=f"'{name}' is not known"):
+                check((name,))
     for name in ("best", "model", "network:", "expected:some.onnx", "expected_around:some.onnx", "combined_around"):
         with pytest.raises(ConfigError, match=f"'{name}' is not known; choose from expected, expected_around, covariance"):
             check_volume_policies((name,))

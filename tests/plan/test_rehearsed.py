@@ -14,17 +14,24 @@ from viewgain.camera import Sensor, sensor
 from viewgain.errors import ConfigError, ScanError
 from viewgain.gain import VolumeEstimator, volume_estimator
 from viewgain.geometry import inverse, look_at, pose, rotation_from_rotvec, transform
+from viewgain.inference import PoseScorer, volume_scorer
 from viewgain.measure import Knowledge, measure
 from viewgain.plan import (
     Belief,
+    CombinedPolicy,
     ExpectedErrorPolicy,
+    FarthestPolicy,
     NextView,
+    OnBelief,
     RehearsedPolicy,
+    Seen,
     Trial,
+    VolumeNetworkAboutBox,
     arriving_within,
     believe,
     next_view,
     trials,
+    trust_in,
 )
 from viewgain.plan._rehearsal import as_noisy
 from viewgain.plan._rehearsed import MOST, ROUND, WORTH, Standing
@@ -341,3 +348,53 @@ def test_next_view_spends_nothing_on_what_is_out_of_reach() -> None:
     nearest = {int(np.argmin(np.linalg.norm(there - place, axis=1))) for place in tried}
     assert nearest
     assert nearest <= set(np.flatnonzero(reached).tolist())
+
+
+# Beside a network.
+
+
+def looking(index: int) -> Scan:
+    return capture(Scene((BOX,)), CANDIDATES[index], CAMERA, rng=np.random.default_rng(1)).posed(CANDIDATES[index])
+
+
+def test_a_model_that_rehearses_is_trusted_wherever_there_is_a_box_to_rehearse() -> None:
+    bounded, still_open = belief_in(BOX), belief_in(BOX, scaled(1.5))
+    for fused in (False, True):
+        model = RehearsedPolicy(fused=fused)
+        assert [trust_in(model, each) for each in (bounded, still_open)] == [1.0, 1.0]
+        assert [trust_in(model, each) for each in (belief_in(BOX, guessed=True), None)] == [0.0, 0.0]
+    glimpsed = replace(belief_in(BOX, scaled(1.5), guessed=True), glimpsed=True)  # nothing is rehearsed: the formula's own share
+    assert trust_in(RehearsedPolicy(fused=True), glimpsed) == trust_in(ExpectedErrorPolicy(), glimpsed) == 0.75
+
+
+def test_a_box_that_is_measured_is_left_to_rehearsals_and_any_other_to_the_network() -> None:
+    """The whole policy of ``evaluate volume``, from a scan of the box and from one of a bare floor."""
+    model = OnBelief(RehearsedPolicy(estimator=by_place(0.3, 0.01, 0.3), arrivals=EXACTLY), CAMERA)
+    network = FarthestPolicy()
+    both = CombinedPolicy(model, network)
+    scan = looking(0)
+    seen = Seen((scan,), CANDIDATES[:1], CANDIDATES, (0,), CAMERA.intrinsics)
+    assert both.scores(seen) == pytest.approx(model.scores(seen))
+    assert not np.array_equal(np.argsort(both.scores(seen)), np.argsort(network.scores(seen)))
+    bare = capture(Scene(), CANDIDATES[0], CAMERA, rng=np.random.default_rng(1)).posed(CANDIDATES[0])
+    nothing = replace(seen, scans=(bare,))
+    assert np.isnan(model.scores(nothing)).all()
+    assert both.scores(nothing) == pytest.approx(network.scores(nothing))
+
+
+def test_about_a_box_the_network_is_asked_where_nothing_can_be_rehearsed(monkeypatch: pytest.MonkeyPatch) -> None:
+    network, scan, belief = volume_scorer(), looking(0), belief_in(BOX)
+    rehearsing = RehearsedPolicy(estimator=by_place(0.3, 0.01, 0.3), arrivals=EXACTLY)
+    alone, both = VolumeNetworkAboutBox(network, scan), VolumeNetworkAboutBox(network, scan, rehearsing)
+    assert (alone.name, both.name) == ("network", "rehearsed")
+    guess = belief_in(BOX, guessed=True)
+    scored = [[each.score for each in policy.assess(guess, CANDIDATES, 0.05)] for policy in (both, alone)]
+    assert scored[0] == pytest.approx(scored[1])
+    monkeypatch.setattr(PoseScorer, "assessed", silent)  # nobody needs it where the box is known
+    mask = np.array([True, False, True])
+    for one, other in ((both, rehearsing), (both.among(mask), rehearsing.among(mask))):
+        said, wanted = (policy.assess(belief, CANDIDATES, 0.05) for policy in (one, other))
+        assert [(each.score, each.sigma) for each in said] == [(each.score, each.sigma) for each in wanted]
+    assert said[1].sigma is None  # what cannot be reached is not tried
+    assert said[0].sigma is not None
+    assert alone.among(mask) is alone

@@ -16,13 +16,13 @@ from viewgain.inference import Ensemble, PoseScorer, find_model, model_name, shi
 from viewgain.measure import POSE_SIGMA, REASONS, fuse, measure
 from viewgain.plan import (
     AROUND,
+    BESIDE_NETWORK,
     AutomaticPolicy,
     CovariancePolicy,
     ExpectedErrorPolicy,
     NetworkPolicy,
     Place,
     Policy,
-    RehearsedPolicy,
     VolumeJudge,
     VolumeNetworkAboutBox,
     next_view,
@@ -34,7 +34,6 @@ WITHOUT_FILE: Mapping[str, Callable[[Scan], Policy]] = {
     "auto": AutomaticPolicy,
     "model": lambda scan: CovariancePolicy(POSE_SIGMA),
     "expected": lambda scan: ExpectedErrorPolicy(),
-    "rehearsed": lambda scan: RehearsedPolicy(fused=True),
 }
 """Policies for which no network can be named."""
 
@@ -47,7 +46,8 @@ def run_next(command: Next) -> int:
     current = measure(scans[0], camera=camera, floor=floor) if len(scans) == 1 else fuse(scans, camera=camera, floor=floor)
     if command.deciding.policy == "rehearsed" and not command.json:
         print(
-            "viewgain: note: trying views out in simulation first unless enough is known; eight views take a minute or more",
+            "viewgain: note: trying views out in simulation first, unless enough is known or no box could be measured; eight"
+            " views take a minute or more",
             file=sys.stderr,
         )
     plan = next_view(
@@ -102,8 +102,10 @@ def _policy(command: Next, scan: Scan) -> Policy:
         return WITHOUT_FILE[deciding.policy](scan)
     if command.objective != "coverage":
         return _for_volume(command, scan)
-    if deciding.policy == "combined":
-        raise ConfigError("--policy combined: got --objective coverage, of which the model knows nothing; take --policy network")
+    if deciding.policy != "network":
+        raise ConfigError(
+            f"--policy {deciding.policy}: got --objective coverage, and it knows boxes and their volumes; take --policy network"
+        )
     name = rig(command.rig).name
     models = deciding.model or (_shipped(name, posed=scan.camera_to_world is not None),)
     return NetworkPolicy(Ensemble.load(models), scan, name, abstain_below=deciding.abstain)
@@ -116,9 +118,8 @@ def _for_volume(command: Next, scan: Scan) -> Policy:
             f"--policy {deciding.policy}: got {len(deciding.model)} networks for --objective {command.objective}, wanted one that"
             " was trained for volumes; name it with --model, or none for the shipped one"
         )
-    model = ExpectedErrorPolicy() if deciding.policy == "combined" else None
     network = PoseScorer.load(deciding.model[0]) if deciding.model else volume_scorer()
-    return VolumeNetworkAboutBox(network, scan, model)
+    return VolumeNetworkAboutBox(network, scan, BESIDE_NETWORK[deciding.policy])
 
 
 def _shipped(rig_name: str, *, posed: bool) -> Path:

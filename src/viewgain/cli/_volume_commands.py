@@ -36,8 +36,9 @@ class EvaluateVolume(FreshBoxes):
     """Positions: irregular4, ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     policies: tuple[str, ...] = ("expected", "covariance", "farthest", "constant", "random", "oracle")
     """Who chooses: expected, expected_around, rehearsed, rehearsed_around, covariance, farthest, constant, random, informed,
-    oracle, network:FILE.onnx, combined:FILE.onnx, combined_around:FILE.onnx (_around: is told that the rig was put up around the
-    box, to 10 cm; rehearsed: tries the contenders out in simulation, up to a minute for each box)."""
+    oracle, and with a network, network:FILE.onnx, combined:FILE.onnx, combined_around:FILE.onnx, rehearsed:FILE.onnx,
+    rehearsed_around:FILE.onnx (_around: is told that the rig was put up around the box, to 10 cm; rehearsed: tries the contenders
+    out in simulation, up to a minute for each box)."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 24
@@ -119,8 +120,8 @@ class EvaluateMap(FreshBoxes):
     rig: str = "hemisphere48"
     """Positions: hemisphere<N>, ring<N>, irregular4, ... (docs/rigs.md), or a TOML file; one in each direction."""
     policies: tuple[str, ...] = ("expected", "covariance")
-    """Who decides: expected, expected_around, rehearsed, rehearsed_around, covariance, farthest, network:FILE.onnx,
-    combined:FILE.onnx, combined_around:FILE.onnx."""
+    """Who decides: expected, expected_around, rehearsed, rehearsed_around, covariance, farthest, and with a network,
+    network:FILE.onnx, combined:FILE.onnx, combined_around:FILE.onnx, rehearsed:FILE.onnx, rehearsed_around:FILE.onnx."""
     estimator: str = "default"
     """Who measures: default, lines_published, lines_mended, corners_published, corners_mended."""
     captures: int = 8

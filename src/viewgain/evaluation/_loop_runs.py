@@ -1,7 +1,6 @@
 """Boxes of the closed loop worked through by processes; what came of a box and a policy is kept, and not played again."""
 
 import dataclasses
-import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,8 +12,8 @@ from viewgain.evaluation._claim import claim, damaged, kept_text
 from viewgain.evaluation._loop_case import Loop, LoopSettings
 from viewgain.evaluation._loop_play import LoopPlay, loop_play
 from viewgain.evaluation._loop_policies import FEWEST
-from viewgain.evaluation._volume_choices import is_from_file, network_of
-from viewgain.inference import find_model
+from viewgain.evaluation._network_choices import network_of, policy_key
+from viewgain.evaluation._volume_choices import is_from_file
 
 Plays = Mapping[str, LoopPlay]
 """What came of a box, by policy."""
@@ -78,11 +77,9 @@ def _worked_out(task: _Task) -> dict[str, LoopPlay]:
 
 def _key(name: str, settings: LoopSettings) -> str:
     """Return the name under which plays are kept; a wrong network is said here, before the first box, which takes its time."""
-    if not is_from_file(name):
-        return name
-    kind, _, file = name.partition(":")
-    network_of(name, settings.boxes)
-    return f"{kind}:{hashlib.sha256(find_model(file).read_bytes()).hexdigest()}"
+    if is_from_file(name):
+        network_of(name, settings.boxes)
+    return policy_key(name)
 
 
 def _text(plays: Plays) -> str:

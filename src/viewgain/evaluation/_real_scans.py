@@ -14,6 +14,7 @@ from viewgain.evaluation._volume_choices import is_from_file
 from viewgain.inference import PoseScorer
 from viewgain.measure import POSE_SIGMA, Measurement, measure
 from viewgain.plan import (
+    BESIDE_NETWORK,
     Candidate,
     CovariancePolicy,
     ExpectedErrorPolicy,
@@ -137,10 +138,10 @@ def check_real_policies(names: tuple[str, ...]) -> None:
         ModelError: If a network cannot be used.
     """
     for name in names:
-        if is_from_file(name):
+        if is_from_file(name, BESIDE_NETWORK):
             _network(name.partition(":")[2])
         elif name not in ABOUT_BOX:
-            known = ", ".join([*ABOUT_BOX, "network:FILE", "combined:FILE"])
+            known = ", ".join([*ABOUT_BOX, *(f"{kind}:FILE" for kind in BESIDE_NETWORK)])
             raise ConfigError(f"policy {name!r} is not known, or knows no single scan; choose from {known}")
     if not names or len(set(names)) < len(names):
         raise ConfigError(f"policies: got {', '.join(names) or 'none'}, wanted one or more, each once")
@@ -158,7 +159,7 @@ def _policy(name: str, scan: Scan) -> Policy:
     if name in ABOUT_BOX:
         return ABOUT_BOX[name]
     kind, _, file = name.partition(":")
-    return VolumeNetworkAboutBox(_network(file), scan, ExpectedErrorPolicy() if kind == "combined" else None)
+    return VolumeNetworkAboutBox(_network(file), scan, BESIDE_NETWORK[kind])
 
 
 @lru_cache(maxsize=4)

@@ -12,11 +12,12 @@ from viewgain.datasets import write_whole
 from viewgain.evaluation._box_results import Watcher, all_done, rig_digest
 from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim, damaged, kept_text
+from viewgain.evaluation._network_choices import network_of
 from viewgain.evaluation._plain import finite
 from viewgain.evaluation._shape_case import VOLUMES, first_errors, shape_case, shape_errors
 from viewgain.evaluation._shape_choices import SHAPE_DECIDING, shape_policy
 from viewgain.evaluation._shape_settings import ShapeSettings
-from viewgain.evaluation._volume_choices import is_from_file, network_of
+from viewgain.evaluation._volume_choices import is_from_file
 
 OBJECTS = "objects"
 """Where a folder of results holds one file per object."""

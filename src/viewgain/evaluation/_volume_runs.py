@@ -9,15 +9,16 @@ from viewgain.datasets import make_folder, write_whole
 from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file, rig_digest
 from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim
+from viewgain.evaluation._network_choices import network_of, policy_key
 from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, volume_case
 from viewgain.evaluation._volume_choices import (
     INFORMED,
-    REHEARSING,
     VOLUME_DECIDING,
+    VOLUME_FROM_FILE,
     around_of,
     is_from_file,
+    is_rehearsing,
     is_told,
-    network_of,
     volume_policy,
 )
 from viewgain.evaluation._volume_confidence import opinions_of
@@ -107,16 +108,23 @@ def run_boxes(
         ModelError: If a network's file is missing or damaged.
         StorageError: If the folder cannot be written.
     """
-    deciding = tuple(name for name in policies if name in VOLUME_DECIDING or is_from_file(name))
-    for name in filter(is_from_file, deciding):
-        network_of(name, settings)  # a wrong file is said before the first box, which takes its time
+    deciding = tuple(name for name in policies if name in VOLUME_DECIDING or is_from_file(name, VOLUME_FROM_FILE))
+    for name in deciding:
+        if name not in VOLUME_DECIDING:
+            network_of(name, settings)  # a wrong file is said before the first box, which takes its time
     if any(map(is_told, deciding)):
         around_of(settings)  # and so is a wrong rig
     if folder is not None:
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
-    if folder is not None and any(name in REHEARSING for name in deciding):
+    keys = {name: policy_key(name) for name in deciding if is_rehearsing(name)}
+    if folder is not None and keys:
         make_folder(folder / DECISIONS)
     fingerprint = fingerprint_of(settings)  # before the first box, for the program may be changed while this one runs
+
+    def decided_before(folder: Path, number: int) -> dict[str, Decided]:
+        kept = kept_decisions(decisions_file(folder, number), settings, fingerprint)
+        return {name: kept[key] for name, key in keys.items() if key in kept}
+
     tasks = [
         _Task(
             settings=settings,
@@ -124,7 +132,7 @@ def run_boxes(
             policies=deciding,
             others=INFORMED in policies,
             known=None if folder is None else kept_truth(box_file(folder, number), settings),
-            decided={} if folder is None else kept_decisions(decisions_file(folder, number), settings, fingerprint),
+            decided={} if folder is None else decided_before(folder, number),
         )
         for number in range(first, first + boxes)
     ]
@@ -134,7 +142,8 @@ def run_boxes(
             write_whole(box_file(folder, task.number), done.text.encode())
         if folder is not None and done.decided and fingerprint_of(settings) == fingerprint:
             file = decisions_file(folder, task.number)
-            both = {**kept_decisions(file, settings, fingerprint), **done.decided}  # another run may have added its own
+            news = {keys[name]: each for name, each in done.decided.items()}
+            both = {**kept_decisions(file, settings, fingerprint), **news}  # another run may have added its own
             write_whole(file, decided_text(both, fingerprint).encode())
 
     return [done.run for done in all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch)]
@@ -159,7 +168,7 @@ def _worked_out(task: _Task) -> _Done:
         if opinions is None
         else {name: decision_numbers(opinions, each.choice.position) for name, each in decided.items()},
     )
-    news = {name: each for name, each in decided.items() if name in REHEARSING and name not in task.decided}
+    news = {name: each for name, each in decided.items() if is_rehearsing(name) and name not in task.decided}
     return _Done(run, None if truth is task.known else truth_text(truth, case), news)
 
 

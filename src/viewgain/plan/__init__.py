@@ -67,10 +67,12 @@ from viewgain.plan._views import ViewPolicy as ViewPolicy
 from viewgain.plan._views import choose as choose
 from viewgain.plan._views import unique as unique
 from viewgain.plan._views import visited_among as visited_among
+from viewgain.plan._volume_network import BESIDE_NETWORK as BESIDE_NETWORK
 from viewgain.plan._volume_network import CombinedPolicy as CombinedPolicy
 from viewgain.plan._volume_network import VolumeNetworkAboutBox as VolumeNetworkAboutBox
 from viewgain.plan._volume_network import VolumeNetworkPolicy as VolumeNetworkPolicy
 from viewgain.plan._volume_network import trust as trust
+from viewgain.plan._volume_network import trust_in as trust_in
 from viewgain.plan._volumetric import Mapper as Mapper
 from viewgain.plan._volumetric import VolumetricPolicy as VolumetricPolicy
 from viewgain.plan._words import directions_in_words as directions_in_words

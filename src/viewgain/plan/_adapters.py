@@ -16,7 +16,7 @@ from viewgain.plan._policy import Assessment, Policy
 from viewgain.plan._views import Seen, ViewPolicy, visited_among
 from viewgain.scans import Scan
 
-PolicyT = TypeVar("PolicyT", bound=Policy)
+PolicyT_co = TypeVar("PolicyT_co", bound=Policy, covariant=True)
 """Which policy about a box."""
 
 
@@ -53,14 +53,14 @@ class OnScans:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OnBelief(Generic[PolicyT]):
+class OnBelief(Generic[PolicyT_co]):
     """A policy about a box as a general one: it measures the scans so far and asks the policy what it believes.
 
     It measures all scans anew at every question, but where it is told what they say together. Told that the candidates were put
     up around the box, it takes what they look at for the box's place, and has a belief where nothing could be measured, too.
     """
 
-    policy: PolicyT
+    policy: PolicyT_co
     """Who decides."""
     sensor: Sensor
     """The camera."""

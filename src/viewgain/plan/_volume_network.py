@@ -1,10 +1,12 @@
 """A trained network that says how well a box's volume would be measured from each candidate, alone and with the model."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
-from viewgain.arrays import Poses, Vector
+from viewgain.arrays import Mask, Poses, Vector
 from viewgain.geometry import inverse
 from viewgain.inference import PoseScorer
 from viewgain.plan._adapters import OnBelief
@@ -12,6 +14,7 @@ from viewgain.plan._belief import Belief
 from viewgain.plan._expected import ExpectedErrorPolicy
 from viewgain.plan._opinions import weighted
 from viewgain.plan._policy import Assessment
+from viewgain.plan._rehearsed import RehearsedPolicy
 from viewgain.plan._views import Seen, ViewPolicy
 from viewgain.scans import Scan
 
@@ -20,6 +23,15 @@ ALONE, FUSED = (0.75, 0.75), (1.0, 0.5)
 (``python -m benchmarks trust``), and of what it says together with the present one."""
 NOTHING_MEASURED = 0.0
 """Its weight where no box could be measured."""
+
+Model: TypeAlias = ExpectedErrorPolicy | RehearsedPolicy
+"""A policy that says what error is to be expected, from what is believed about the box."""
+BESIDE_NETWORK: Mapping[str, Model | None] = {
+    "network": None,
+    "combined": ExpectedErrorPolicy(),
+    "rehearsed": RehearsedPolicy(fused=True),
+}
+"""The model that each of these policies has beside its network where a next view is fused with what is known; None for none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,22 +71,32 @@ def trust(belief: Belief | None, *, fused: bool) -> float:
     return bounded if belief.bounded else still_open
 
 
+def trust_in(model: Model, belief: Belief | None) -> float:
+    """Return the weight of a model beside a network: :func:`trust`, but all of it where the model rehearses.
+
+    Who tries views out on the box that was measured finds by itself what formula and network disagree about.
+    """
+    if isinstance(model, RehearsedPolicy) and belief is not None and not belief.guessed:
+        return 1.0
+    return trust(belief, fused=model.fused)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CombinedPolicy:
-    """The model where a box is known, with a say for the network, and the network alone where none is (:func:`trust`).
+    """The model where a box is known, with a say for the network, and the network alone where none is (:func:`trust_in`).
 
     Both score in the same unit up to a constant: by minus the expected relative error.
     """
 
-    model: OnBelief[ExpectedErrorPolicy]
+    model: OnBelief[Model]
     """The model-based policy."""
     network: ViewPolicy
     """The network."""
     name: str = "combined"
 
     def trust(self, belief: Belief | None) -> float:
-        """Return the weight of the model beside the network (:func:`trust`)."""
-        return trust(belief, fused=self.model.policy.fused)
+        """Return the weight of the model beside the network (:func:`trust_in`)."""
+        return trust_in(self.model.policy, belief)
 
     def scores(self, seen: Seen) -> Vector:
         """Return (V,) weighted means; where one of the two has no opinion the other's, NaN where neither has."""
@@ -85,7 +107,7 @@ class CombinedPolicy:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VolumeNetworkAboutBox:
-    """The network where :func:`viewgain.plan.next_view` asks about a box, alone or combined with the model.
+    """The network where :func:`viewgain.plan.next_view` asks about a box, alone or combined with a model (:func:`trust_in`).
 
     Scores are 1 minus the expected error after the candidate, so what next_view makes of nearly equal scores holds for them too.
     """
@@ -94,21 +116,31 @@ class VolumeNetworkAboutBox:
     """The network."""
     scan: Scan
     """The camera as it stands."""
-    model: ExpectedErrorPolicy | None = None
+    model: Model | None = None
     """The model-based policy to combine it with; None for the network alone."""
 
     @property
     def name(self) -> str:
-        """Says who decides."""
-        return "network" if self.model is None else "combined"
+        """Says who decides, one of :data:`BESIDE_NETWORK`."""
+        return next(name for name, model in BESIDE_NETWORK.items() if type(model) is type(self.model))
+
+    def among(self, reachable: Mask) -> "VolumeNetworkAboutBox":
+        """Return the policy whose model rehearses, if it does, none but those (V,) candidates."""
+        return replace(self, model=self.model.among(reachable)) if isinstance(self.model, RehearsedPolicy) else self
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
-        """Return one assessment per candidate, (v, 4, 4) ``camera_to_current``."""
+        """Return one assessment per candidate, (v, 4, 4) ``camera_to_current``; where one of the two decides alone, its own."""
+        weight = 0.0 if self.model is None else trust_in(self.model, belief)
+        if self.model is None or weight == 0.0:
+            return self._by_network(candidates)
+        by_model = self.model.assess(belief, candidates, tolerance)
+        if weight == 1.0:
+            return by_model
+        one, two = (np.array([each.score for each in said]) for said in (by_model, self._by_network(candidates)))
+        return tuple(Assessment(score, None, None) for score in weighted(one, two, weight).tolist())  # nobody knows how sure
+
+    def _by_network(self, candidates: Poses) -> tuple[Assessment, ...]:
         said = self.scorer.assessed(self.scan.points, candidates)
         scores = 1 + said.scores
-        if self.model is not None:  # how sure both together are, the network alone cannot say
-            by_model = np.array([each.score for each in self.model.assess(belief, candidates, tolerance)])
-            both = weighted(by_model, scores, trust(belief, fused=self.model.fused))
-            return tuple(Assessment(float(score), None, None) for score in both)
         sigmas = [None] * len(scores) if said.sigma is None else said.sigma.tolist()
         return tuple(Assessment(score, None, None, sigma) for score, sigma in zip(scores.tolist(), sigmas, strict=True))
