@@ -143,7 +143,7 @@ class EvaluateReal:
     rig: str = "ring8"
     """Candidates: ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     policies: tuple[str, ...] = ("covariance", "expected")
-    """Who decides: covariance, expected, network:FILE.onnx, combined:FILE.onnx."""
+    """Who decides: covariance, expected, network:FILE.onnx, combined:FILE.onnx, rehearsed:FILE.onnx (a minute or more a scan)."""
     json: bool = False
     """One JSON object, one line, and nothing else on stdout."""
     out: Path | None = None
