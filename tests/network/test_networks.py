@@ -14,7 +14,7 @@ from tests.oracles import network as oracle
 from viewgain.errors import ConfigError
 from viewgain.network import Kind, NetworkSettings, ScoreNetwork, build, parameters_of, scores_of, sigma_of, stations_of
 from viewgain.network._compact import mean_present_first
-from viewgain.network._neighbours import in_order
+from viewgain.network._neighbours import DIRECTION, in_order
 from viewgain.rigs import Target, poses, rig
 
 KINDS = tuple(kind for kind in get_args(Kind) if kind != "pose_scores")  # that one: test_pose_scores.py
@@ -288,3 +288,16 @@ def test_real_points_come_first_and_none_is_lost(number: int, padding: int, seed
     ordered, count = in_order(points, mask)
     assert count.tolist() == [number]
     assert sorted(ordered[0, :number].tolist()) == sorted(points[mask].tolist())
+
+
+def test_points_side_by_side_have_one_order_whatever_order_they_are_given_in() -> None:
+    """On a grid of half floats many points lie equally far along a direction of two decimals: to the bit, in any precision."""
+    steps = torch.arange(16, dtype=torch.float32) / 64
+    grid = torch.cartesian_prod(steps, steps, steps)
+    in_hundredths = (100 * torch.tensor(DIRECTION, dtype=torch.double)).round()
+    assert ((grid.double() @ in_hundredths).sort().values.diff() == 0).sum() > 900  # such as those (3, 8, -7) steps apart
+    mask = torch.ones(1, len(grid), dtype=torch.bool)
+    first, _ = in_order(grid[None], mask)
+    for seed in range(3):
+        again, _ = in_order(grid[torch.randperm(len(grid), generator=seeded(seed))][None], mask)
+        assert torch.equal(again, first)

@@ -8,7 +8,10 @@ LEAN = 1e-4
 mean squared feature and unit of length. Clouds from images or in half floats have many such ties; without it the program that
 runs the network, and the order of the points, would decide them."""
 DIRECTION = (0.61, 0.41, 0.73)
-"""A direction that no grid of points is likely to lie across."""
+"""A direction that few grids of points lie across."""
+ALONG = tuple(number + 1e-9 * root for number, root in zip(DIRECTION, (2**0.5, 3**0.5, 5**0.5), strict=True))
+"""The same, a hair aside. Coordinates of images or half floats are whole numbers of some step, and along a direction of two
+decimals points of such a grid lie exactly side by side; what sorts them would decide which comes first."""
 
 
 def leaning(points: Tensor) -> Tensor:
@@ -42,7 +45,7 @@ def nearest(features: Tensor, mask: Tensor, count: int, lean: Tensor) -> Tensor:
 
 
 def in_order(points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
-    """Return (B, N, 3) points along :data:`DIRECTION`, the real ones first, and (B,) how many those are.
+    """Return (B, N, 3) points along :data:`ALONG`, the real ones first, and (B,) how many those are.
 
     Points at equal steps in this order are the same whatever order a cloud is given in, and as evenly spread as at random. It is
     found in double precision, so that two programs agree on it.
@@ -53,7 +56,7 @@ def in_order(points: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
     """
     with torch.no_grad():
         x, y, z = points.detach().double().unbind(-1)
-        along = DIRECTION[0] * x + DIRECTION[1] * y + DIRECTION[2] * z
+        along = ALONG[0] * x + ALONG[1] * y + ALONG[2] * z
         order = torch.sort(torch.where(mask, along, torch.inf), dim=1).indices
     ordered = gathered(points, rows_of(order[..., None], points.shape[1]))[:, :, 0]
     return ordered, mask.sum(1)
