@@ -28,6 +28,19 @@ def test_each_is_small_and_its_card_says_what_it_learned_from_and_how_good_it_is
         assert "Apache-2.0" in text
 
 
+@pytest.mark.parametrize("name", ["compact-pcnbv16-object", "compact_view-pcnbv16-object", "compact_view-pcnbv33-object"])
+def test_the_order_of_points_that_lie_on_a_grid_changes_nothing(name: str) -> None:
+    """As points of half floats do: many lie exactly as far along the direction by which the networks sort them as another."""
+    rng, network = np.random.default_rng(0), Scorer.load(name)
+    grid = np.stack(np.meshgrid(*[np.arange(-16, 16)] * 3), axis=-1).reshape(-1, 3) / 64
+    points = rng.permutation(grid)[:400].astype(np.float32)
+    mask, told = np.ones((1, 400), dtype=bool), np.eye(1, network.card.views, dtype=np.float32)
+    wanted = network.run(points[None], mask, told if network.card.with_view_state else None)
+    for _ in range(5):
+        again = network.run(rng.permutation(points)[None], mask, told if network.card.with_view_state else None)
+        np.testing.assert_allclose(again, wanted, rtol=0, atol=1e-6)
+
+
 @pytest.mark.slow
 def test_on_fresh_objects_they_choose_far_better_than_the_constant_answer(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["evaluate", "table1", "--fresh", "1", "--seed", "5", "--json"]) == 0
