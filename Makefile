@@ -107,15 +107,15 @@ table2-recorded: data/recordings-simulated/boxes.toml ## Simulate recordings as 
 volume_policies = network:pose_scores-$(1)-camera combined:pose_scores-$(1)-camera combined_around:pose_scores-$(1)-camera \
 	expected expected_around covariance farthest random constant oracle
 # A decision of these takes ten seconds with a pico flexx, half a minute with an Xtion, fused most of a minute.
-rehearsing = rehearsed rehearsed_around
+rehearsing = rehearsed:pose_scores-$(1)-camera rehearsed_around:pose_scores-$(1)-camera
 
 volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume is chosen, on fresh boxes (hours; goes on where it was)
-	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) $(rehearsing) informed --out tables/volume $(ARGS)
-	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) $(rehearsing) --estimator lines_published --out tables/volume-lines $(ARGS)
-	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --policies $(call volume_policies,irregular) $(rehearsing) informed --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) $(call rehearsing,irregular4) informed --out tables/volume $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 300 --seed 7 --workers 2 --policies $(call volume_policies,irregular4) $(call rehearsing,irregular4) --estimator lines_published --out tables/volume-lines $(ARGS)
+	$(BIN)/viewgain evaluate volume --boxes 100 --seed 7 --workers 2 --policies $(call volume_policies,irregular) $(call rehearsing,irregular) informed --rig ring8 --fused --captures 4 --out tables/volume-fused $(ARGS)
 
 # What no training of volumes saw: a camera, a rig, and boxes larger than any, from farther away.
-held_out = $(BIN)/viewgain evaluate volume --boxes 60 --seed 7 --captures 8 --workers 2 --policies $(call volume_policies,irregular4) $(rehearsing)
+held_out = $(BIN)/viewgain evaluate volume --boxes 60 --seed 7 --captures 8 --workers 2 --policies $(call volume_policies,irregular4) $(call rehearsing,irregular4)
 
 volume-held-out: $(VENV)/dev.stamp ## The same with a camera, a rig and sizes that no training saw (an hour; goes on where it was)
 	$(held_out) --camera xtion --out tables/volume-xtion $(ARGS)

@@ -281,7 +281,7 @@ def test_rehearsals_say_how_sure_each_score_is(
     assert main(["next", *arguments, "rehearsed"]) == 0
     assert "note: trying views out in simulation first" in capsys.readouterr().err
     assert main(["next", *arguments, "rehearsed", "--objective", "coverage"]) == 2
-    assert "--policy rehearsed: got --objective coverage, and it knows boxes" in capsys.readouterr().err
+    assert "got --policy rehearsed, which knows boxes only" in capsys.readouterr().err
 
 
 def test_where_nothing_can_be_rehearsed_the_network_decides_the_one_that_is_named(

@@ -22,7 +22,18 @@ from viewgain.evaluation._choice import seen_of
 from viewgain.gain import costs
 from viewgain.geometry import pose, rotation_from_rotvec
 from viewgain.measure import POSE_SIGMA
-from viewgain.plan import CombinedPolicy, CovariancePolicy, ExpectedErrorPolicy, FarthestPolicy, OnBelief, Seen, ViewPolicy
+from viewgain.plan import (
+    Assessment,
+    Belief,
+    CombinedPolicy,
+    CovariancePolicy,
+    ExpectedErrorPolicy,
+    FarthestPolicy,
+    OnBelief,
+    RehearsedPolicy,
+    Seen,
+    ViewPolicy,
+)
 
 SETTINGS = VolumeSettings(seed=5, rig="ring8", captures=2, estimator="lines_published", side=(0.2, 0.5))
 
@@ -103,6 +114,23 @@ def test_scores_come_to_one_meaning_whatever_constant_a_policy_adds() -> None:
     silent = CombinedPolicy(expected, Fixed((np.nan,) * 8))
     assert valued(silent, seen).meaning == "minus_score"
     np.testing.assert_allclose(valued(FarthestPolicy(), seen).values, -FarthestPolicy().scores(seen))
+
+
+def test_who_rehearses_beside_a_network_is_asked_once_and_says_errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a measured box: though the network's scores are of no unit, and nobody asks it."""
+    case = volume_case(SETTINGS, 1)
+    asked: list[Belief] = []
+
+    def noting(policy: RehearsedPolicy, belief: Belief, candidates: np.ndarray, tolerance: float) -> tuple[Assessment, ...]:
+        asked.append(belief)
+        return tuple(Assessment(0.9 - 0.05 * place, None, None) for place in range(len(candidates)))
+
+    monkeypatch.setattr(RehearsedPolicy, "assess", noting)
+    both = CombinedPolicy(OnBelief(RehearsedPolicy(), case.camera), Fixed((0.5,) * 8))
+    said = valued(both, seen_of(case))
+    assert (said.meaning, len(asked)) == ("error", 1)
+    assert not asked[0].guessed
+    np.testing.assert_allclose(said.values, 0.1 + 0.05 * np.arange(8))
 
 
 def test_rank_correlation_looks_at_allowed_and_known_positions_alone() -> None:

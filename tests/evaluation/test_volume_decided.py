@@ -11,7 +11,7 @@ from tests.oracles.networks_on_disk import exported
 from viewgain.errors import DataError
 from viewgain.evaluation._choice import Choice
 from viewgain.evaluation._volume_case import VolumeSettings
-from viewgain.evaluation._volume_decided import Decided, decided_text, decisions_file, fingerprint_of, kept_decisions
+from viewgain.evaluation._volume_decided import Decided, Decisions, decided_text, decisions_file, fingerprint_of, kept_decisions
 from viewgain.evaluation._volume_runs import VolumeRun, run_boxes
 from viewgain.network import NetworkSettings
 
@@ -118,6 +118,21 @@ def test_with_a_network_a_decision_is_kept_for_what_is_in_its_file(folder: Path,
     assert run("rehearsed", copy=copy).milliseconds == {f"rehearsed:{copy}": first.milliseconds[f"rehearsed:{files['two']}"]}
     run("rehearsed_around", copy=copy)
     assert list(kept(file)) == [*keys, f"rehearsed_around:{keys[1].partition(':')[2]}"]
+    exported(copy, settings, seed=7, rig="irregular", normalisation="metres", frame="camera")  # one that has decided nothing yet
+    third = run("rehearsed", copy=copy).choices[f"rehearsed:{copy}"]
+    assert len(kept(file)) == 4
+    assert third == run_boxes(SETTINGS, 1, [f"network:{copy}"])[0].choices[f"network:{copy}"]
+
+
+def test_a_network_that_was_replaced_meanwhile_keeps_nothing(tmp_path: Path) -> None:
+    (tmp_path / "a.onnx").write_bytes(b"one")
+    name, made = f"rehearsed:{tmp_path / 'a.onnx'}", MADE["rehearsed"]
+    decisions = Decisions.begun(tmp_path, SETTINGS, ("rehearsed", name))
+    decisions.keep(0, {"rehearsed": made, name: made})
+    assert decisions.known(0) == {"rehearsed": made, name: made}
+    (tmp_path / "a.onnx").write_bytes(b"two")
+    decisions.keep(1, {"rehearsed": made, name: made})
+    assert decisions.known(1) == {"rehearsed": made}
 
 
 def test_quick_decisions_are_not_kept(errors: Path) -> None:
@@ -127,7 +142,7 @@ def test_quick_decisions_are_not_kept(errors: Path) -> None:
 def test_a_program_that_was_changed_meanwhile_keeps_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nobody could say by which of the two the decision was made."""
     found = iter(["before", "after"])
-    monkeypatch.setattr("viewgain.evaluation._volume_runs.fingerprint_of", lambda settings: next(found))
+    monkeypatch.setattr("viewgain.evaluation._volume_decided.fingerprint_of", lambda settings: next(found))
     (run,) = run_boxes(SETTINGS, 1, ("rehearsed",), folder=folder)
     assert "rehearsed" in run.choices
     assert not decisions_file(folder, 0).exists()

@@ -155,7 +155,7 @@ def test_the_command_ranks_by_a_network(scan: Scan, folder: Path, tmp_path: Path
     assert "policy network" in capsys.readouterr().out
     with pytest.raises(ModelError, match="wanted pose_scores"):
         run_next(replace(command, objective="volume"))
-    with pytest.raises(ConfigError, match="combined: got --objective coverage, and it knows boxes"):
+    with pytest.raises(ConfigError, match="--policy combined, which knows boxes only"):
         run_next(replace(command, deciding=replace(chosen, policy="combined")))
     with pytest.raises(ConfigError, match="boxes only"):
         run_next(replace(command, deciding=Deciding()))

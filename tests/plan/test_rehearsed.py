@@ -153,29 +153,48 @@ def noise_of(camera: Sensor) -> float:
     return float(camera.range_sigma(np.ones(1), np.ones(1))[0])
 
 
-@pytest.mark.parametrize("factor", [1.0, 1.5, 2.0, 3.0, 4.0])
-def test_a_rehearsal_is_as_noisy_as_the_scan(factor: float) -> None:
-    """The camera has so many times the noise of its data sheet, of which measuring finds too little the more there is."""
-    louder = CAMERA.noisier(factor)
-    scan = capture(Scene((BOX,)), CANDIDATES[0], louder, rng=np.random.default_rng(2))
+def noisy_belief(factor: float, seed: int = 2) -> Belief:
+    """What is believed after a scan by a camera with so many times the noise of its data sheet."""
+    scan = capture(Scene((BOX,)), CANDIDATES[0], CAMERA.noisier(factor), rng=np.random.default_rng(seed))
     belief = believe(measure(scan, camera=CAMERA), CAMERA)
     assert belief is not None
-    simulated = as_noisy(belief, np.random.default_rng(0))
-    assert noise_of(simulated) == pytest.approx(noise_of(louder), rel=0.12)
-    assert noise_of(louder) == pytest.approx(factor * noise_of(CAMERA))
+    return belief
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.5, 2.0, 3.0, 4.0])
+def test_a_rehearsal_is_as_noisy_as_the_scan(factor: float) -> None:
+    """Though measuring finds too little the more there is: 2.6 times the data sheet's where there is 3 times that."""
+    found = [noise_of(as_noisy(noisy_belief(factor, seed), np.random.default_rng(seed))) for seed in range(5)]
+    louder = noise_of(CAMERA.noisier(factor))
+    assert louder == pytest.approx(factor * noise_of(CAMERA))
+    assert found == pytest.approx([louder] * 5, rel=0.16)
+    assert np.mean(found) == pytest.approx(louder, rel=0.07)
+
+
+@pytest.mark.parametrize("noise", [7.0, 10.0, 20.0])
+def test_nothing_is_rehearsed_so_noisily_that_no_box_is_found(noise: float) -> None:
+    """Every rehearsal would be a miss; the scan that is known did show one. Of ten times the noise none does."""
+    deaf = capture(Scene((BOX,)), CANDIDATES[0], CAMERA.noisier(10.0), rng=np.random.default_rng(0))
+    assert not measure(deaf, camera=CAMERA).boxes
+    belief = replace(noisy_belief(3.0), noise=noise)
+    camera = as_noisy(belief, np.random.default_rng(0))
+    assert noise_of(camera) > 2 * noise_of(CAMERA)
+    scans = [capture(Scene((BOX,)), CANDIDATES[0], camera, rng=np.random.default_rng(seed)) for seed in range(4)]
+    assert sum(len(measure(scan, camera=CAMERA).boxes) for scan in scans) >= 3
 
 
 def test_what_cannot_be_compared_is_rehearsed_by_the_data_sheet() -> None:
-    scan = capture(Scene((BOX,)), CANDIDATES[0], CAMERA.noisier(3.0), rng=np.random.default_rng(2))
-    belief = believe(measure(scan, camera=CAMERA), CAMERA)
-    assert belief is not None
-    simulated = as_noisy(belief, np.random.default_rng(0))
-    assert noise_of(next(trials(belief, EXACTLY, np.random.default_rng(0))).sensor) == noise_of(simulated)
-    assert simulated.jitter_px == CAMERA.jitter_px
-    quiet = replace(belief, noise=0.5)
-    assert as_noisy(quiet, np.random.default_rng(0)) == CAMERA
+    belief = noisy_belief(3.0)
+    assert as_noisy(replace(belief, noise=0.5), np.random.default_rng(0)) == CAMERA
     away = replace(belief, boxes=(BOX.in_frame(pose(np.eye(3), np.array([0.0, 0.0, -9.0]))),))  # behind the camera
     assert as_noisy(away, np.random.default_rng(0)) == CAMERA
+
+
+def test_noise_is_compared_from_where_the_box_was_seen() -> None:
+    belief = noisy_belief(3.0)
+    simulated = as_noisy(belief, np.random.default_rng(0))
+    assert simulated.jitter_px == CAMERA.jitter_px
+    assert noise_of(next(trials(belief, EXACTLY, np.random.default_rng(0))).sensor) == noise_of(simulated)
     turned = pose(rotation_from_rotvec(np.array([np.pi, 0.0, 0.0])), np.zeros(3))
     earlier = replace(belief, boxes=(belief.mean.in_frame(turned),), cameras=turned[None])  # seen by another camera than this
     assert noise_of(as_noisy(earlier, np.random.default_rng(0))) == pytest.approx(noise_of(simulated), rel=1e-6)

@@ -11,8 +11,8 @@ class Deciding:
 
     policy: Literal["auto", "model", "expected", "rehearsed", "network", "combined"] = "auto"
     """auto: model where every dimension is bounded, else combined; model: what each view would teach about the box; expected: the
-    volume error that is to be expected after it; rehearsed: that error, tried out in simulation (a minute or more), and the
-    network where nothing could be measured; network: a trained network, of the objective; combined: for volume, expected and
+    volume error that is to be expected after it; rehearsed: that error, tried out in simulation (a minute or more), and as
+    combined where nothing could be measured; network: a trained network, of the objective; combined: for volume, expected and
     network, by what is known."""
     model: tuple[Path, ...] = ()
     """Network files made by viewgain export, several for their mean; default the shipped one of the objective: for volume the one

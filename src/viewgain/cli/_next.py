@@ -44,6 +44,7 @@ def run_next(command: Next) -> int:
     scans = [read_one(path, index, command.reading) for index, path in enumerate(command.scans)]
     camera, floor = command.reading.camera, read_floor(command.reading)
     current = measure(scans[0], camera=camera, floor=floor) if len(scans) == 1 else fuse(scans, camera=camera, floor=floor)
+    policy = _policy(command, scans[-1])
     if command.deciding.policy == "rehearsed" and not command.json:
         print(
             "viewgain: note: trying views out in simulation first, unless enough is known or no box could be measured; eight"
@@ -54,7 +55,7 @@ def run_next(command: Next) -> int:
         current,
         command.rig,
         objective=command.objective,
-        policy=_policy(command, scans[-1]),
+        policy=policy,
         camera=camera,
         tolerance=command.tolerance,
         confidence=command.confidence,
@@ -90,11 +91,9 @@ def _place(command: Next) -> Place | None:
 def _policy(command: Next, scan: Scan) -> Policy:
     """Return who decides."""
     deciding = command.deciding
+    if command.objective == "coverage" and deciding.policy != "network":
+        raise ConfigError(f"--objective coverage: got --policy {deciding.policy}, which knows boxes only; add --policy network")
     if deciding.policy in WITHOUT_FILE:
-        if command.objective == "coverage":
-            raise ConfigError(
-                f"--objective coverage: got --policy {deciding.policy}, which knows boxes only; add --policy network"
-            )
         if deciding.model:
             raise ConfigError(
                 f"--model: got {deciding.model[0]}, and --policy {deciding.policy} asks none that is named; add --policy network"
@@ -102,10 +101,6 @@ def _policy(command: Next, scan: Scan) -> Policy:
         return WITHOUT_FILE[deciding.policy](scan)
     if command.objective != "coverage":
         return _for_volume(command, scan)
-    if deciding.policy != "network":
-        raise ConfigError(
-            f"--policy {deciding.policy}: got --objective coverage, and it knows boxes and their volumes; take --policy network"
-        )
     name = rig(command.rig).name
     models = deciding.model or (_shipped(name, posed=scan.camera_to_world is not None),)
     return NetworkPolicy(Ensemble.load(models), scan, name, abstain_below=deciding.abstain)

@@ -95,8 +95,8 @@ class EvaluateShapes:
     camera: str = "pico_flexx"
     """Camera preset (docs/cameras.md) or a TOML file."""
     policies: tuple[str, ...] = ()
-    """Who chooses: columns, rear_side_voxel, ... (docs/volumetric.md), auto, covariance, expected, farthest, network:FILE.onnx,
-    combined:FILE.onnx, constant, random, oracle; default one of each kind."""
+    """Who chooses: columns, rear_side_voxel, ... (docs/volumetric.md), auto, covariance, expected, expected_around, farthest,
+    network:FILE.onnx, combined:FILE.onnx, combined_around:FILE.onnx, constant, random, oracle; default one of each kind."""
     captures: int = 2
     """Scans of each position that score it; as many others are the oracle's."""
     distance: float = 1.2
@@ -143,7 +143,8 @@ class EvaluateReal:
     rig: str = "ring8"
     """Candidates: ring8, hemisphere12, ... (docs/rigs.md), or a TOML file."""
     policies: tuple[str, ...] = ("covariance", "expected")
-    """Who decides: covariance, expected, network:FILE.onnx, combined:FILE.onnx, rehearsed:FILE.onnx (a minute or more a scan)."""
+    """Who decides: covariance, expected, network:FILE.onnx, combined:FILE.onnx; rehearsed, rehearsed:FILE.onnx (a minute or more
+    for each scan)."""
     json: bool = False
     """One JSON object, one line, and nothing else on stdout."""
     out: Path | None = None

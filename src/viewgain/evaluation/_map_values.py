@@ -36,10 +36,13 @@ class Valued:
 def valued(policy: ViewPolicy, seen: Seen) -> Valued:
     """Return what a policy thinks of the candidates of ``seen``, in their order."""
     if isinstance(policy, CombinedPolicy):
-        known = policy.model.measuring(seen)
-        one, two = valued(policy.model, known), valued(policy.network, known)
+        seen = policy.model.measuring(seen)
+        trust, one = policy.trust(policy.model.belief(seen)), valued(policy.model, seen)
+        if trust == 1.0:
+            return one
+        two = valued(policy.network, seen)
         if one.meaning == two.meaning:  # policies of one unit up to a constant, which is gone here
-            return Valued(weighted(one.values, two.values, policy.trust(policy.model.belief(known))), one.meaning)
+            return Valued(weighted(one.values, two.values, trust), one.meaning)
     scores = policy.scores(seen)
     asked = policy.policy if isinstance(policy, OnBelief) else policy
     if isinstance(asked, ExpectedErrorPolicy | RehearsedPolicy):

@@ -14,9 +14,15 @@ from viewgain.inference import PoseScorer, Scorer, find_model
 from viewgain.plan import Seen, ViewPolicy, VolumeNetworkPolicy
 
 
+def kind_and_file(name: str) -> tuple[str, str]:
+    """Return what kind of policy a name is of, and the file of its network; an empty one where none is named."""
+    kind, _, file = name.partition(":")
+    return kind, file
+
+
 def network_of(name: str, settings: Question) -> ViewPolicy:
     """Return the policy of the network in a name, ``network:FILE``, ``combined:FILE``, ...; raises as :func:`policy_of`."""
-    return _network_policy(name.partition(":")[2], rig=settings.stations().name)
+    return _network_policy(kind_and_file(name)[1], rig=settings.stations().name)
 
 
 def policy_key(name: str) -> str:
@@ -25,7 +31,7 @@ def policy_key(name: str) -> str:
     Raises:
         ModelError: If there is no such file.
     """
-    kind, _, file = name.partition(":")
+    kind, file = kind_and_file(name)
     return f"{kind}:{hashlib.sha256(find_model(file).read_bytes()).hexdigest()}" if file else kind
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from viewgain.arrays import Mask, Vector
 from viewgain.errors import ConfigError
 from viewgain.evaluation._map_values import rank_correlation
+from viewgain.evaluation._network_choices import kind_and_file
 from viewgain.evaluation._volume_choices import is_from_file
 from viewgain.inference import PoseScorer
 from viewgain.measure import POSE_SIGMA, Measurement, measure
@@ -20,14 +21,21 @@ from viewgain.plan import (
     ExpectedErrorPolicy,
     NextView,
     Policy,
+    RehearsedPolicy,
     VolumeNetworkAboutBox,
     next_view,
     turn_about,
 )
 from viewgain.scans import Scan
 
-ABOUT_BOX: Mapping[str, Policy] = {"covariance": CovariancePolicy(POSE_SIGMA), "expected": ExpectedErrorPolicy()}
-"""Policies without a file: the certainty of the volume after fusing, and the expected error after it."""
+ABOUT_BOX: Mapping[str, Policy] = {
+    "covariance": CovariancePolicy(POSE_SIGMA),
+    "expected": ExpectedErrorPolicy(),
+    "rehearsed": RehearsedPolicy(fused=True),
+}
+"""Policies without a file: the certainty of the volume after fusing, the expected error after it, and that tried out."""
+NEVER_SURE = 1 - 1e-9
+"""Confidence asked for: policies are compared, and where to stop would be the answer one would not try anything out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +134,7 @@ def ranked(scan: Scan, source: str, rig: str, policies: tuple[str, ...]) -> Real
         ModelError: If a network cannot be used.
     """
     measured = measure(scan)
-    plans = {name: next_view(measured, rig, policy=_policy(name, scan)) for name in policies}
+    plans = {name: next_view(measured, rig, policy=_policy(name, scan), confidence=NEVER_SURE) for name in policies}
     return RealRanking(source, measured, plans, next_view(measured, rig, policy=ABOUT_BOX["covariance"]))
 
 
@@ -139,7 +147,7 @@ def check_real_policies(names: tuple[str, ...]) -> None:
     """
     for name in names:
         if is_from_file(name, BESIDE_NETWORK):
-            _network(name.partition(":")[2])
+            _network(kind_and_file(name)[1])
         elif name not in ABOUT_BOX:
             known = ", ".join([*ABOUT_BOX, *(f"{kind}:FILE" for kind in BESIDE_NETWORK)])
             raise ConfigError(f"policy {name!r} is not known, or knows no single scan; choose from {known}")
@@ -158,7 +166,7 @@ def stand(plan: NextView, candidate: Candidate) -> Stand:
 def _policy(name: str, scan: Scan) -> Policy:
     if name in ABOUT_BOX:
         return ABOUT_BOX[name]
-    kind, _, file = name.partition(":")
+    kind, file = kind_and_file(name)
     return VolumeNetworkAboutBox(_network(file), scan, BESIDE_NETWORK[kind])
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Mapping
 
 from viewgain.errors import ConfigError
 from viewgain.evaluation._choice import DecisionCase, Question
-from viewgain.evaluation._network_choices import network_of
+from viewgain.evaluation._network_choices import kind_and_file, network_of
 from viewgain.evaluation._volume_case import VolumeCase
 from viewgain.gain import volume_estimator
 from viewgain.measure import POSE_SIGMA
@@ -50,7 +50,7 @@ FROM_FILE: Mapping[str, WithNetwork] = {
 """Policies that are named with a file, ``network:FILE.onnx``: by its scores alone, or with a say for ``expected``
 or ``expected_around``."""
 VolumeMaker = Callable[[VolumeCase], ViewPolicy]
-"""The same on a case of a box."""
+"""Gives the policy that decides on a case of a box."""
 REHEARSING: Mapping[str, VolumeMaker] = {
     "rehearsed": lambda case: _rehearsed(case),
     "rehearsed_around": lambda case: _rehearsed(case, around_of(case.settings)),
@@ -61,8 +61,8 @@ VOLUME_DECIDING: Mapping[str, VolumeMaker] = {**DECIDING, **REHEARSING}
 """Policies by name where a position is judged by its scans of a box."""
 VOLUME_FROM_FILE: Mapping[str, Callable[[VolumeCase, ViewPolicy], ViewPolicy]] = {
     **FROM_FILE,
-    "rehearsed": lambda case, network: CombinedPolicy(_rehearsed(case), network),
-    "rehearsed_around": lambda case, network: CombinedPolicy(_rehearsed(case, around_of(case.settings)), network),
+    "rehearsed": lambda case, network: CombinedPolicy(_rehearsed(case), network, "rehearsed"),
+    "rehearsed_around": lambda case, network: CombinedPolicy(_rehearsed(case, around_of(case.settings)), network, "rehearsed"),
 }
 """Policies with a file there: a policy that rehearses may leave to a network what nobody can rehearse."""
 
@@ -93,25 +93,25 @@ def check_policies(
 
 def is_from_file(name: str, kinds: Collection[str] = tuple(FROM_FILE)) -> bool:
     """Return whether a policy is one of these kinds, named with the file of its network."""
-    kind, _, file = name.partition(":")
+    kind, file = kind_and_file(name)
     return kind in kinds and len(file) > 0
 
 
 def is_told(name: str) -> bool:
     """Return whether a policy is told that the rig was put up around the box."""
-    return _kind(name).endswith("_around")
+    return kind_and_file(name)[0].endswith("_around")
 
 
 def is_rehearsing(name: str) -> bool:
     """Return whether a policy rehearses, with the file of a network or without."""
-    return _kind(name) in REHEARSING
+    return kind_and_file(name)[0] in REHEARSING
 
 
 def volume_policy(name: str, case: VolumeCase) -> ViewPolicy:
     """Return the policy of a name for a case of a box; raises as :func:`policy_of`."""
     if name in VOLUME_DECIDING:
         return VOLUME_DECIDING[name](case)
-    return VOLUME_FROM_FILE[_kind(name)](case, network_of(name, case.settings))
+    return VOLUME_FROM_FILE[kind_and_file(name)[0]](case, network_of(name, case.settings))
 
 
 def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
@@ -124,12 +124,7 @@ def policy_of(name: str, case: DecisionCase) -> ViewPolicy:
     """
     if name in DECIDING:
         return DECIDING[name](case)
-    return FROM_FILE[_kind(name)](case, network_of(name, case.settings))
-
-
-def _kind(name: str) -> str:
-    """Return the name of a policy without the file of its network."""
-    return name.partition(":")[0]
+    return FROM_FILE[kind_and_file(name)[0]](case, network_of(name, case.settings))
 
 
 def _expected(case: DecisionCase, around: float | None = None) -> OnBelief[ExpectedErrorPolicy]:

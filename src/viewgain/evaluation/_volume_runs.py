@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from viewgain.arrays import Array, Mask, Vector
-from viewgain.datasets import make_folder, write_whole
+from viewgain.datasets import write_whole
 from viewgain.evaluation._box_results import BOXES, Watcher, all_done, box_file, rig_digest
 from viewgain.evaluation._choice import Choice, decisions
 from viewgain.evaluation._claim import claim
-from viewgain.evaluation._network_choices import network_of, policy_key
+from viewgain.evaluation._network_choices import network_of
 from viewgain.evaluation._volume_case import VolumeCase, VolumeSettings, volume_case
 from viewgain.evaluation._volume_choices import (
     INFORMED,
@@ -22,14 +22,7 @@ from viewgain.evaluation._volume_choices import (
     volume_policy,
 )
 from viewgain.evaluation._volume_confidence import opinions_of
-from viewgain.evaluation._volume_decided import (
-    DECISIONS,
-    Decided,
-    decided_text,
-    decisions_file,
-    fingerprint_of,
-    kept_decisions,
-)
+from viewgain.evaluation._volume_decided import Decided, Decisions
 from viewgain.evaluation._volume_kept import Truth, kept_truth, truth_of, truth_text
 from viewgain.plan import decision_numbers
 
@@ -69,7 +62,7 @@ class _Task:
     known: Truth | None
     """What a file says of the box; what is not there is worked out."""
     decided: Mapping[str, Decided]
-    """Decisions on the box that are kept, by policy."""
+    """Decisions on the box that are kept, by name of policy."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +71,7 @@ class _Done:
     text: str | None
     """What is to be kept of the box; None where a file says it already."""
     decided: Mapping[str, Decided]
-    """Decisions to be kept, by policy; those that are kept already are missing."""
+    """Decisions to be kept, by name of policy; those that are kept already are missing."""
 
 
 def run_boxes(
@@ -116,15 +109,8 @@ def run_boxes(
         around_of(settings)  # and so is a wrong rig
     if folder is not None:
         claim(folder, {"rig_stations": rig_digest(settings), **settings.to_dict()}, results=folder / BOXES)
-    keys = {name: policy_key(name) for name in deciding if is_rehearsing(name)}
-    if folder is not None and keys:
-        make_folder(folder / DECISIONS)
-    fingerprint = fingerprint_of(settings)  # before the first box, for the program may be changed while this one runs
-
-    def decided_before(folder: Path, number: int) -> dict[str, Decided]:
-        kept = kept_decisions(decisions_file(folder, number), settings, fingerprint)
-        return {name: kept[key] for name, key in keys.items() if key in kept}
-
+    slow = [name for name in deciding if is_rehearsing(name)]
+    decisions_kept = None if folder is None or not slow else Decisions.begun(folder, settings, slow)
     tasks = [
         _Task(
             settings=settings,
@@ -132,7 +118,7 @@ def run_boxes(
             policies=deciding,
             others=INFORMED in policies,
             known=None if folder is None else kept_truth(box_file(folder, number), settings),
-            decided={} if folder is None else decided_before(folder, number),
+            decided={} if decisions_kept is None else decisions_kept.known(number),
         )
         for number in range(first, first + boxes)
     ]
@@ -140,11 +126,8 @@ def run_boxes(
     def keep(task: _Task, done: _Done) -> None:
         if folder is not None and done.text is not None:
             write_whole(box_file(folder, task.number), done.text.encode())
-        if folder is not None and done.decided and fingerprint_of(settings) == fingerprint:
-            file = decisions_file(folder, task.number)
-            news = {keys[name]: each for name, each in done.decided.items()}
-            both = {**kept_decisions(file, settings, fingerprint), **news}  # another run may have added its own
-            write_whole(file, decided_text(both, fingerprint).encode())
+        if decisions_kept is not None and done.decided:
+            decisions_kept.keep(task.number, done.decided)
 
     return [done.run for done in all_done(_worked_out, tasks, workers=workers, keep=keep, watch=watch)]
 

@@ -24,8 +24,8 @@ from viewgain.scenes import Scene
 from viewgain.simulate import RangeError, capture, draw_range_error
 
 AS_NOISY = 0.1
-"""Two scans of a box whose noise differs by no more than this share are as noisy: one scan tells it no better."""
-SCANS_FOR_NOISE = 4
+"""Two scans of a box in which measuring finds noise that differs by no more than this share are as noisy."""
+SCANS_FOR_NOISE = 6
 """Most scans that are taken to find out how noisy a camera is."""
 
 Arrivals: TypeAlias = Callable[[np.random.Generator], Poses]
@@ -127,23 +127,31 @@ def as_noisy(belief: Belief, rng: np.random.Generator) -> Sensor:
 
     What a data sheet leaves out makes simulated scans noisier than it says, and of much noise measuring finds too little. So the
     middle box is scanned from where it was first seen, and measured, until the two are as noisy (:data:`AS_NOISY`). Less noise
-    than there is on the data sheet is never claimed, and no more than so far where such a scan shows no box.
+    than there is on the data sheet is never claimed, nor, as far as one scan tells, so much that no box is found.
     """
-    camera_to_box, caster, camera = inverse(belief.mean.box_to_camera) @ belief.cameras[0], _alone(belief.mean), belief.sensor
-    factor = 1.0
+    camera_to_box, caster = inverse(belief.mean.box_to_camera) @ belief.cameras[0], _alone(belief.mean)
+    showing, factor = 1.0, 1.0
     for _ in range(SCANS_FOR_NOISE):
-        try:
-            shown = measure(capture(caster, camera_to_box, camera, rng=rng), camera=belief.sensor).boxes
-        except (ScanError, np.linalg.LinAlgError):
+        found = _noise_of(caster, camera_to_box, belief.sensor.noisier(factor), belief.sensor, rng)
+        if found is None and factor == 1.0:
             break
-        if not shown:
-            break
-        louder = belief.noise / shown[0].views[0].noise
+        if found is None:
+            factor = float(np.sqrt(showing * factor))  # half way back
+            continue
+        showing, louder = factor, belief.noise / found
         factor = max(factor * louder, 1.0)
-        camera = belief.sensor.noisier(factor)
-        if abs(louder - 1) < AS_NOISY:
-            break
-    return camera
+        if factor == showing or abs(louder - 1) < AS_NOISY:
+            return belief.sensor.noisier(factor)
+    return belief.sensor.noisier(showing)
+
+
+def _noise_of(caster: SceneCaster, camera_to_box: Pose, camera: Sensor, known: Sensor, rng: np.random.Generator) -> float | None:
+    """Return the noise that measuring finds in one scan, by the data sheet that is ``known``; None where it finds no box."""
+    try:
+        shown = measure(capture(caster, camera_to_box, camera, rng=rng), camera=known).boxes
+    except (ScanError, np.linalg.LinAlgError):
+        return None
+    return shown[0].views[0].noise if shown else None
 
 
 def _alone(box: Box) -> SceneCaster:

@@ -74,7 +74,8 @@ def trust(belief: Belief | None, *, fused: bool) -> float:
 def trust_in(model: Model, belief: Belief | None) -> float:
     """Return the weight of a model beside a network: :func:`trust`, but all of it where the model rehearses.
 
-    Who tries views out on the box that was measured finds by itself what formula and network disagree about.
+    Who tries views out on the box that was measured finds by itself what formula and network disagree about. Chosen for a
+    candidate's scan alone, on boxes that no table uses (docs/volume_nbv.md), and kept for scans that are fused.
     """
     if isinstance(model, RehearsedPolicy) and belief is not None and not belief.guessed:
         return 1.0
@@ -122,7 +123,7 @@ class VolumeNetworkAboutBox:
     @property
     def name(self) -> str:
         """Says who decides, one of :data:`BESIDE_NETWORK`."""
-        return next(name for name, model in BESIDE_NETWORK.items() if type(model) is type(self.model))
+        return next(name for name, model in BESIDE_NETWORK.items() if isinstance(self.model, type(model)))
 
     def among(self, reachable: Mask) -> "VolumeNetworkAboutBox":
         """Return the policy whose model rehearses, if it does, none but those (V,) candidates."""
