@@ -117,7 +117,7 @@ volume-nbv: $(VENV)/dev.stamp ## Print how well the next view for a box's volume
 # What no training of volumes saw: a camera, a rig, and boxes larger than any, from farther away.
 held_out = $(BIN)/viewgain evaluate volume --boxes 60 --seed 7 --captures 8 --workers 2 --policies $(call volume_policies,irregular4) $(call rehearsing,irregular4)
 
-volume-held-out: $(VENV)/dev.stamp ## The same with a camera, a rig and sizes that no training saw (an hour; goes on where it was)
+volume-held-out: $(VENV)/dev.stamp ## The same with a camera, a rig and sizes that no training saw (hours; goes on where it was)
 	$(held_out) --camera xtion --out tables/volume-xtion $(ARGS)
 	$(held_out) --rig ring8 --out tables/volume-ring8 $(ARGS)
 	$(held_out) --rig ring8 --side 1.2 1.6 --distance 2.6 --out tables/volume-large $(ARGS)

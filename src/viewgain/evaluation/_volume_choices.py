@@ -59,7 +59,9 @@ REHEARSING: Mapping[str, VolumeMaker] = {
 measured as those that judge it are; ``rehearsed_around`` is told as much as ``expected_around``."""
 VOLUME_DECIDING: Mapping[str, VolumeMaker] = {**DECIDING, **REHEARSING}
 """Policies by name where a position is judged by its scans of a box."""
-VOLUME_FROM_FILE: Mapping[str, Callable[[VolumeCase, ViewPolicy], ViewPolicy]] = {
+VolumeWithNetwork = Callable[[VolumeCase, ViewPolicy], ViewPolicy]
+"""Gives the policy that decides on a case of a box, of which a network is part."""
+VOLUME_FROM_FILE: Mapping[str, VolumeWithNetwork] = {
     **FROM_FILE,
     "rehearsed": lambda case, network: CombinedPolicy(_rehearsed(case), network, "rehearsed"),
     "rehearsed_around": lambda case, network: CombinedPolicy(_rehearsed(case, around_of(case.settings)), network, "rehearsed"),

@@ -133,9 +133,9 @@ def as_noisy(belief: Belief, rng: np.random.Generator) -> Sensor:
     showing, factor = 1.0, 1.0
     for _ in range(SCANS_FOR_NOISE):
         found = _noise_of(caster, camera_to_box, belief.sensor.noisier(factor), belief.sensor, rng)
-        if found is None and factor == 1.0:
-            break
         if found is None:
+            if factor == 1.0:
+                break
             factor = float(np.sqrt(showing * factor))  # half way back
             continue
         showing, louder = factor, belief.noise / found

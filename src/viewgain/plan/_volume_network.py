@@ -131,8 +131,10 @@ class VolumeNetworkAboutBox:
 
     def assess(self, belief: Belief, candidates: Poses, tolerance: float) -> tuple[Assessment, ...]:
         """Return one assessment per candidate, (v, 4, 4) ``camera_to_current``; where one of the two decides alone, its own."""
-        weight = 0.0 if self.model is None else trust_in(self.model, belief)
-        if self.model is None or weight == 0.0:
+        if self.model is None:
+            return self._by_network(candidates)
+        weight = trust_in(self.model, belief)
+        if weight == 0.0:
             return self._by_network(candidates)
         by_model = self.model.assess(belief, candidates, tolerance)
         if weight == 1.0:
